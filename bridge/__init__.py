@@ -1,0 +1,1 @@
+"""Network, disk, clock and screen: what turns the pure plant and the pure control laws into processes."""

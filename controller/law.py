@@ -1,0 +1,127 @@
+"""Control laws: from one sample of the rig and the target to the spool reference of the proportional valve.
+
+A law is a pure function of sample, target, memory and gains; a user's own law has the same signature. Sign: a
+positive spool reference lifts the piston. PHYSICS sheet, section G: u = -(s y1 + d y2), so the derivative acts on the
+velocity of the piston and not on that of the error. A NaN in the sample gives a NaN command, which the plant refuses.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from controller.reference import Target
+
+
+class Sample(NamedTuple):
+    stamp_ns: int  # [ns] since the start of the run
+    position: float  # [m]
+    velocity: float  # [m/s], tachometer; NaN when absent
+    p1: float  # [Pa], before the relief valve
+    p2: float  # [Pa], lower chamber
+    p3: float  # [Pa], upper chamber
+
+
+class Gains(NamedTuple):
+    proportional: float  # P [1/m], spool (-1..1) per metre of error
+    derivative: float  # D [s/m], spool per metre a second
+    source: str  # of the velocity: "measured" | "backward" | "filtered"
+    filter_time: float  # [s], lag of the filtered difference; 0.0 leaves the plain one
+    sample_period: float  # T [s], > 0
+    limit: float  # of the spool reference, 0..1
+    overlap: float  # of the valve lands to jump over, 0..1 of travel; 0.0: no dead-band compensation
+
+
+class Memory(NamedTuple):
+    position: float  # [m], at the previous sample
+    velocity: float  # [m/s], its estimate there
+
+
+Law = Callable[[Sample, Target, Any, Gains], tuple[float, Any]]  # memory is the law's own affair, None at first
+
+
+def pd(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
+    """Spool reference in proportion to h, dead band jumped over, then saturated."""
+    h, memory = switching_function(sample, target, memory, gains)
+    return saturate(compensate(h, gains.overlap), gains.limit), memory
+
+
+def relay(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
+    """Full limit in the direction of h, nothing at h = 0; the limit is what it says, with any overlap."""
+    h, memory = switching_function(sample, target, memory, gains)
+    return gains.limit * sign(h), memory
+
+
+def open_loop(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
+    """The target is the spool reference itself, -1..1: only saturated, no dead band jumped over."""
+    return saturate(target.position, gains.limit), Memory(sample.position, 0.0)
+
+
+def switching_function(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
+    """h = P (x_ref - x) - D v: the PD output before dead band and saturation, whose sign the relay takes."""
+    v = velocity(sample, memory, gains)
+    h = gains.proportional * (target.position - sample.position) - gains.derivative * v
+    return h, Memory(sample.position, v)
+
+
+def velocity(sample: Sample, memory: Memory | None, gains: Gains) -> float:
+    """Piston velocity [m/s] from the chosen source; a difference needs two samples and is 0 at the first.
+
+    Raises ValueError when a tachometer is asked for and absent, and for an unknown source.
+    """
+    match gains.source:
+        case "measured":
+            return _measured(sample)
+        case "backward":
+            return _backward(sample, memory, gains.sample_period)
+        case "filtered":
+            return _filtered(sample, memory, gains)
+    raise ValueError(f"velocity source {gains.source!r} is none of 'measured', 'backward', 'filtered'")
+
+
+def _measured(sample: Sample) -> float:
+    if math.isnan(sample.velocity):
+        raise ValueError(
+            f"velocity source 'measured', but the sample at {sample.stamp_ns} ns has no tachometer signal (NaN); "
+            "use 'backward' or 'filtered'"
+        )
+    return sample.velocity
+
+
+def _backward(sample: Sample, memory: Memory | None, sample_period: float) -> float:
+    return 0.0 if memory is None else (sample.position - memory.position) / sample_period
+
+
+def _filtered(sample: Sample, memory: Memory | None, gains: Gains) -> float:
+    """First-order lag of the backward difference, exact for a difference held over T: v = a v + (1-a) dx/T."""
+    if memory is None:
+        return 0.0
+    a = math.exp(-gains.sample_period / gains.filter_time) if gains.filter_time > 0.0 else 0.0
+    return a * memory.velocity + (1.0 - a) * _backward(sample, memory, gains.sample_period)
+
+
+def compensate(u: float, overlap: float) -> float:
+    """Spool reference that opens the valve as a valve without overlap would at u: the lands are jumped over."""
+    return sign(u) * (overlap + (1.0 - overlap) * abs(u))
+
+
+def saturate(u: float, limit: float) -> float:
+    """u within [-limit, limit]."""
+    return max(min(u, limit), -limit)  # in this order a NaN stays NaN instead of opening the valve fully
+
+
+def sign(u: float) -> float:
+    """-1, 0 or 1; NaN stays NaN."""
+    return math.copysign(1.0, u) if abs(u) > 0.0 else u
+
+
+def per_metre(volts_per_percent: float, stroke: float, full_scale: float) -> float:
+    """Proportional gain [1/m] from S [V per % of the stroke]; stroke [m], full scale of the valve's input [V]."""
+    return volts_per_percent * 100.0 / (stroke * full_scale)
+
+
+def volts_per_percent(per_metre: float, stroke: float, full_scale: float) -> float:
+    """S [V per % of the stroke] from a proportional gain [1/m]; stroke [m], full scale of the valve's input [V]."""
+    return per_metre * stroke * full_scale / 100.0
+
+
+LAWS: dict[str, Law] = {"pd": pd, "relay": relay, "open-loop": open_loop}

@@ -1,0 +1,40 @@
+"""How the hot functions are compiled: without the interpreter's lock, kept on disk under a hash of the sources.
+
+numba's own cache looks at one file only and would go stale when a component that a kernel calls has changed; a
+directory named by all sources cannot.
+"""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def cache_directory() -> Path:
+    """Where compiled code of exactly these sources lives: the user's cache, or a temporary one if that is closed."""
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(source.read_bytes())
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    directory = home / "hydrotwin" / digest.hexdigest()[:16]
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=directory).close()
+    except OSError:
+        directory = Path(tempfile.gettempdir()) / f"hydrotwin-{os.getuid()}" / directory.name
+    return directory
+
+
+if not numba.config.CACHE_DIR:
+    numba.config.CACHE_DIR = str(cache_directory())
+
+
+def kernel(function: F) -> F:
+    """Compile a function that the step calls: nogil, cached."""
+    return numba.njit(nogil=True, cache=True, error_model="numpy")(function)  # pyright: ignore[reportReturnType]

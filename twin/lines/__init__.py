@@ -1,0 +1,1 @@
+"""Pipes and hoses. A line has two ends; components meet only there."""
