@@ -1,8 +1,7 @@
 """Where a run starts: valve shut, load held by the lower chamber, pump running over the relief valve, nothing moves."""
 
-from twin.circuit import Circuit, Flows, Ledger, Piston, Spool, State, Stored
-from twin.cylinder import chamber_volumes
-from twin.lines.lumped import LumpedLine, line_resistance
+from twin.circuit import Circuit, Flows, Ledger, Piston, Pressures, Spool, State, Stored, nodes
+from twin.lines.lumped import line_resistance
 from twin.pump import pumped_oil
 from twin.relief import relief_flow, relief_slope
 
@@ -16,9 +15,10 @@ def supply_at_rest(circuit: Circuit) -> tuple[float, float, float]:
         outlet = tee + line_resistance(flow, line) * flow
         inflow, slope = pumped_oil(outlet, circuit.pump, circuit.oil.bulk_modulus)
         gain = relief_slope(tee, circuit.relief)
-        tee -= (flow - inflow) / (gain - slope * (1.0 + line_resistance(flow, line) * gain))
-        if tee <= circuit.relief.cracking and inflow <= 0.0:
+        excess_slope = gain - slope * (1.0 + line_resistance(flow, line) * gain)
+        if excess_slope == 0.0:  # pump off and tight: any pressure below cracking stays
             break
+        tee -= (flow - inflow) / excess_slope
     flow = relief_flow(tee, circuit.relief)
     return tee + line_resistance(flow, line) * flow, tee, flow
 
@@ -37,23 +37,12 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
     if p_lower < circuit.oil.vapour_pressure:
         raise ValueError(f"load.force {load.force} N lifts the load off the oil: p_lower would be {p_lower} Pa")
     p_pump, p_tee, flow = supply_at_rest(circuit)
-    v_lower, v_upper = chamber_volumes(position, cylinder)
-    modulus = circuit.oil.bulk_modulus
+    p = Pressures(p_pump, p_tee, p_tee, p_lower, p_lower, p_upper, p_upper, 0.0, 0.0)
+    flows = Flows(flow, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return State(fill(p, position, circuit), flows, Piston(position, 0.0), Spool(0.0, 0.0), Ledger(0.0, 0.0, 0.0))
 
-    def ends(p: float, *lines: LumpedLine) -> float:
-        return sum(line.end_volume + line.end_capacity * p for line in lines)
 
-    oil = Stored(
-        pump=ends(p_pump, circuit.line_1),
-        tee=ends(p_tee, circuit.line_1, circuit.line_2),
-        p=ends(p_tee, circuit.line_2),
-        a=ends(p_lower, circuit.line_3),
-        lower=ends(p_lower, circuit.line_3) + v_lower * (1.0 + p_lower / modulus),
-        upper=ends(p_upper, circuit.line_4) + v_upper * (1.0 + p_upper / modulus),
-        b=ends(p_upper, circuit.line_4),
-        t=ends(0.0, circuit.line_5),
-        back=ends(0.0, circuit.line_5, circuit.line_6),
-    )
-    return State(
-        oil, Flows(flow, 0.0, 0.0, 0.0, 0.0, 0.0), Piston(position, 0.0), Spool(0.0, 0.0), Ledger(0.0, 0.0, 0.0)
-    )
+def fill(p: Pressures, position: float, circuit: Circuit) -> Stored:
+    """The oil that makes these pressures, none below the vapour pressure, with the piston at a position [m]."""
+    at = nodes(Stored(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), position, circuit)
+    return Stored(*(node.volume + node.capacity * pressure for node, pressure in zip(at, p, strict=True)))

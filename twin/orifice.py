@@ -29,6 +29,8 @@ def resistance(area: float, orifice: Orifice, oil: Oil) -> tuple[float, float]:
 @kernel
 def quadratic_flow(drop: float, a: float, b: float) -> float:
     """Q [m^3/s] with a Q|Q| + b Q = drop, for a, b >= 0, not both zero. Free of cancellation."""
+    if drop == 0.0:
+        return 0.0
     size = abs(drop)
     return 2.0 * drop / (b + math.sqrt(b * b + 4.0 * a * size))
 
@@ -40,6 +42,14 @@ def flow(drop: float, area: float, orifice: Orifice, oil: Oil) -> float:
         return 0.0
     a, b = resistance(area, orifice, oil)
     return quadratic_flow(drop, a, b)
+
+
+def flow_slopes(drop: float, area: float, orifice: Orifice, oil: Oil) -> tuple[float, float]:
+    """Slopes of the flow by the drop [m^3/(s Pa)] and by the area [m/s], for an area A > 0 (a ~ A^-2, b ~ A^-1.5)."""
+    a, b = resistance(area, orifice, oil)
+    q = quadratic_flow(drop, a, b)
+    stiffness = 2.0 * a * abs(q) + b
+    return 1.0 / stiffness, (2.0 * a * abs(q) + 1.5 * b) * q / (area * stiffness)
 
 
 def area_for(rated_flow: float, drop: float, orifice: Orifice, oil: Oil) -> float:

@@ -1,0 +1,135 @@
+"""A rig's keys on Zenoh: publish and subscribe by the table of messages, and know who is there.
+
+Lockstep: reliable, blocking, one priority, so that a publisher's messages stay in order. Real time: what does not fit
+is dropped, and the loop's own messages go first.
+"""
+
+import os
+import struct
+import threading
+import time
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import zenoh
+
+from bridge.link import Link, open_session
+from bridge.messages import TOPICS, Outgoing, Status, encode, encoding
+
+STAMP = struct.Struct("<qQ")  # attachment: log time, sequence
+Receiver = Callable[[bytes, str, tuple[int, int] | None], None]
+
+
+class Bus:
+    """One process's place on the bus of a rig. Use as a context manager."""
+
+    def __init__(self, link: Link, rig_name: str, role: str, blocking: bool) -> None:
+        self.rig_name = rig_name
+        self.role = role
+        self.session = open_session(link)
+        self.present: dict[str, set[str]] = {}
+        self.changed = threading.Condition()
+        self._blocking = blocking
+        self._publishers: dict[str, Any] = {}
+        self._declared: list[Any] = []
+        self._status = 0
+
+    def __enter__(self) -> "Bus":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.session.close()
+
+    def publish(self, message: Outgoing, payload: bytes | None = None) -> None:
+        """Send one message."""
+        publisher = self._publishers.get(message.topic) or self._declare(message.topic)
+        stamp = STAMP.pack(message.log_time, message.sequence)
+        publisher.put(encode(message.message) if payload is None else payload, attachment=stamp)
+
+    def publish_status(
+        self, run_id: int, stamp: int, phase: str, values: dict[str, float], text: str = "", role: str = ""
+    ) -> None:
+        """Say how this process is doing."""
+        names, numbers = list(values), [float(value) for value in values.values()]
+        import numpy as np
+
+        status = Status(
+            run_id, self._status, stamp, role or self.role, phase, os.getpid(), names, np.array(numbers), text
+        )
+        self.publish(Outgoing("status", stamp, self._status, status))
+        self._status += 1
+
+    def subscribe(self, topic: str, receiver: Receiver) -> None:
+        """Call `receiver(payload, claimed type, (log time, sequence))` in Zenoh's own thread for each message."""
+
+        def on_sample(sample: Any) -> None:
+            attachment = sample.attachment
+            raw = attachment.to_bytes() if attachment is not None else b""
+            stamp = STAMP.unpack(raw) if len(raw) == STAMP.size else None
+            _, _, kind = str(sample.encoding).partition(";")
+            receiver(sample.payload.to_bytes(), kind, stamp)
+
+        handler = zenoh.handlers.Callback(on_sample, indirect=False)
+        self._declared.append(self.session.declare_subscriber(f"{self.rig_name}/{topic}", handler))
+
+    def answer(self, name: str, reply: Callable[[], bytes]) -> None:
+        """Answer queries for a name below the rig's."""
+        key = f"{self.rig_name}/{name}"
+        handler = zenoh.handlers.Callback(lambda query: query.reply(key, reply()), indirect=True)
+        self._declared.append(self.session.declare_queryable(key, handler))
+
+    def ask(self, name: str, patience: float = 5.0) -> bytes | None:
+        """The first answer to a query, None when nobody gives one."""
+        for reply in self.session.get(f"{self.rig_name}/{name}", timeout=patience):
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes()
+        return None
+
+    def announce(self) -> None:
+        """Tell the others that this process is ready; its subscriptions are known before that."""
+        key = f"{self.rig_name}/alive/{self.role}/{os.getpid()}"
+        self._declared.append(self.session.liveliness().declare_token(key))
+
+    def watch(self) -> None:
+        """Keep `present` up to date: role -> process ids."""
+
+        def on_token(sample: Any) -> None:
+            role, pid = str(sample.key_expr).split("/")[-2:]
+            with self.changed:
+                group = self.present.setdefault(role, set())
+                (group.add if sample.kind == zenoh.SampleKind.PUT else group.discard)(pid)
+                self.changed.notify_all()
+
+        handler = zenoh.handlers.Callback(on_token, indirect=False)
+        key = f"{self.rig_name}/alive/**"
+        self._declared.append(self.session.liveliness().declare_subscriber(key, handler, history=True))
+
+    def await_roles(self, roles: Iterable[str], patience: float, stopped: Callable[[], bool]) -> list[str]:
+        """Wait until each role is present; returns those still missing."""
+        return self._await(lambda: [role for role in roles if not self.present.get(role)], patience, stopped)
+
+    def await_leaving(self, roles: Iterable[str], patience: float) -> list[str]:
+        """Wait until each role has left; returns those still here."""
+        return self._await(lambda: [role for role in roles if self.present.get(role)], patience, lambda: False)
+
+    def _await(self, missing: Callable[[], list[str]], patience: float, stopped: Callable[[], bool]) -> list[str]:
+        deadline = time.monotonic() + patience
+        with self.changed:
+            while (absent := missing()) and time.monotonic() < deadline and not stopped():
+                self.changed.wait(0.05)
+        return absent
+
+    def _declare(self, name: str) -> Any:
+        topic = TOPICS[name]
+        urgent = topic.express and not self._blocking
+        control = zenoh.CongestionControl
+        publisher = self.session.declare_publisher(
+            f"{self.rig_name}/{name}",
+            encoding=encoding(topic.type),
+            congestion_control=control.BLOCK if self._blocking or name == "status" else control.DROP,
+            priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
+            express=topic.express,
+            reliability=zenoh.Reliability.RELIABLE,
+        )
+        self._publishers[name] = publisher
+        return publisher

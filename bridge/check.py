@@ -1,0 +1,79 @@
+"""Judge scenarios by the bands they state: what a user's CI calls."""
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.bands import parse_band
+from bridge.run import RunRequest, run_scenario
+from bridge.scenario import Scenario
+from controller.metrics import Metrics, judge
+
+
+class Judgement(NamedTuple):
+    """One band and how it went."""
+
+    text: str
+    found: str
+    passed: bool
+
+
+class CheckResult(NamedTuple):
+    """One scenario, judged."""
+
+    scenario: Scenario
+    verdicts: list[Judgement]
+    faults: list[str]
+    recording: Path | None
+
+    @property
+    def passed(self) -> bool:
+        """Did the run and every band go well?"""
+        return not self.faults and all(verdict.passed for verdict in self.verdicts)
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "scenario": self.scenario.name,
+            "passed": self.passed,
+            "bands": [verdict._asdict() for verdict in self.verdicts],
+            "faults": self.faults,
+            "recording": str(self.recording) if self.recording else None,
+        }
+
+
+def check_scenario(scenario: Scenario, mode: str, folder: Path) -> CheckResult:
+    """Run a scenario headless and judge it."""
+    path = folder / f"{scenario.name}-check.mcap"
+    outcome = run_scenario(scenario, RunRequest(mode, 1.0, False, path, 10.0, False, None))
+    found = outcome.summary.get("metrics", {})
+    values = {name: float("nan") if found.get(name) is None else found[name] for name in Metrics._fields}
+    verdicts = [_judge(text, Metrics(**values)) for text in scenario.expect]
+    return CheckResult(scenario, verdicts, outcome.faults, outcome.recording)
+
+
+def junit_xml(results: list[CheckResult]) -> str:
+    """The results as JUnit XML, one test case a band."""
+    suites = ET.Element("testsuites", name="hydrotwin check")
+    for result in results:
+        cases = [(v.text, None if v.passed else f"found {v.found}") for v in result.verdicts]
+        cases += [("run", "; ".join(result.faults) or None)]
+        failures = sum(failure is not None for _, failure in cases)
+        name = result.scenario.name
+        suite = ET.SubElement(suites, "testsuite", name=name, tests=str(len(cases)), failures=str(failures))
+        for text, failure in cases:
+            case = ET.SubElement(suite, "testcase", classname=name, name=text)
+            if failure is not None:
+                ET.SubElement(case, "failure", message=failure)
+    ET.indent(suites)
+    return ET.tostring(suites, encoding="unicode", xml_declaration=True)
+
+
+def _judge(text: str, metrics: Metrics) -> Judgement:
+    from bridge.cli.report import value_with_unit
+
+    verdict = judge(metrics, [parse_band(text)])[0]
+    found = value_with_unit(verdict.metric, verdict.value)
+    if verdict.metric == "limit_cycle_amplitude" and verdict.value > 0.0:
+        found += f" at {value_with_unit('limit_cycle_frequency', metrics.limit_cycle_frequency)}"
+    return Judgement(text, found, verdict.passed)

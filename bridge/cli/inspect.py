@@ -1,0 +1,112 @@
+"""Verbs that look: digest, messages, figure, figures, view, doctor."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bridge.cli.app import AS_JSON, LOOK, app, print_json
+
+FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
+
+
+@app.command(rich_help_panel=LOOK)
+def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap.")], as_json: AS_JSON = False) -> None:
+    """Print one hash per data channel; with several files, say whether they are the same."""
+    from bridge.cli.report import print_table
+    from bridge.recording.digest import digest as hashes
+
+    found = {str(path): hashes(path) for path in files}
+    first = next(iter(found.values()))
+    same = {channel: all(other[channel] == first[channel] for other in found.values()) for channel in first}
+    if as_json:
+        print_json(found)
+    elif len(files) == 1:
+        print_table(("channel", "hash"), list(first.items()))
+    else:
+        rows = [(c, *(hashes[c][:12] for hashes in found.values()), "same" if same[c] else "DIFFERS") for c in first]
+        print_table(("channel", *(Path(name).name for name in found), ""), rows)
+    raise typer.Exit(0 if all(same.values()) else 1)
+
+
+@app.command(rich_help_panel=LOOK)
+def messages(as_json: AS_JSON = False) -> None:
+    """Print every key, type, rate, `.msg` text and `struct` format."""
+    from bridge.cli.report import print_table
+    from bridge.messages import TOPICS, definition, field_names, struct_format
+
+    rows = [
+        (f"<rig>/{t.name}", t.type, t.publisher, t.rate, "data" if t.data else "", struct_format(t.type) or "")
+        for t in TOPICS.values()
+    ]
+    keys = ("key", "type", "from", "rate", "kind", "struct")
+    types = {topic.type: definition(topic.type) for topic in TOPICS.values()}
+    if as_json:
+        plain = [dict(zip(keys, row, strict=True)) for row in rows]
+        fields = {kind: field_names(kind) for kind in types}
+        print_json({"messages": plain, "definitions": types, "fields": fields})
+        return
+    print_table(keys, rows)
+    for kind, text in types.items():
+        print(f"\n# {kind}\n{text.rstrip()}")
+    print("\nPayloads are CDR, little endian: 4 bytes of header (00 01 00 00), then the fields in order.")
+
+
+@app.command(rich_help_panel=LOOK)
+def figure(
+    name: Annotated[str, typer.Argument(help="Name of a figure, such as 2.4.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for NAME.png and NAME.csv.")] = Path(),
+    as_json: AS_JSON = False,
+) -> None:
+    """Draw a figure of the source from the twin: NAME.png and NAME.csv."""
+    from bridge.figures import draw_figure
+    from bridge.scenario import ScenarioError
+
+    try:
+        paths = draw_figure(name, output)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
+    if as_json:
+        print_json([str(path) for path in paths])
+    else:
+        print("\n".join(str(path) for path in paths))
+
+
+@app.command(rich_help_panel=LOOK)
+def figures(as_json: AS_JSON = False) -> None:
+    """List the figures."""
+    from bridge.cli.report import print_table
+    from bridge.figures import FIGURES
+
+    rows = [(entry.name, entry.title) for entry in FIGURES.values()]
+    if as_json:
+        print_json([{"name": name, "title": title} for name, title in rows])
+    else:
+        print_table(("name", "title"), rows)
+
+
+@app.command(rich_help_panel=LOOK)
+def view(
+    file: FILE,
+    web: Annotated[bool, typer.Option("--web", help="Serve it to a browser instead of opening a window.")] = False,
+    save: Annotated[Path | None, typer.Option(help="Write a Rerun file, .rrd, and open nothing.")] = None,
+) -> None:
+    """Show a recording in Rerun: position and reference, pressures, valve, timing."""
+    from bridge.view.rerun import show
+
+    show(file, web, save)
+
+
+@app.command(rich_help_panel=LOOK)
+def doctor(as_json: AS_JSON = False) -> None:
+    """Look at this machine: can it run the loop, and how punctually?"""
+    from bridge.cli.report import print_table
+    from bridge.doctor import examine
+
+    findings = examine()
+    if as_json:
+        print_json([finding._asdict() for finding in findings])
+    else:
+        marks = {"good": "[green]good[/green]", "fair": "[yellow]fair[/yellow]", "bad": "[red]bad[/red]"}
+        print_table(("", "what", "found", "what to do"), [(marks[f.state], f.what, f.found, f.advice) for f in findings])
+    raise typer.Exit(1 if any(finding.state == "bad" for finding in findings) else 0)

@@ -1,0 +1,150 @@
+"""Verbs that are processes of the loop: plant, controller, record, router, reset."""
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bridge.cli.app import CHANGES, PROCESSES, SCENARIO, ProcessMode, app
+
+CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.")]
+CONFIG = Annotated[
+    Path | None, typer.Option("--zenoh-config", help="Zenoh configuration file: TLS, passwords, access control.")
+]
+MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
+FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")]
+SUPERVISED = Annotated[bool, typer.Option("--supervised", hidden=True)]
+ENDPOINT = "tcp/127.0.0.1:7447"
+
+
+def _supervised(yes: bool) -> None:
+    if yes:
+        from bridge.clock import die_with_parent
+
+        die_with_parent()
+
+
+@app.command(rich_help_panel=PROCESSES)
+def plant(
+    scenario: SCENARIO = "step",
+    changes: CHANGES = None,
+    mode: MODE = ProcessMode.realtime,
+    speed: Annotated[float, typer.Option(min=0.01, max=100.0, help="Simulated seconds per second.")] = 1.0,
+    listen: Annotated[str | None, typer.Option(help=f"Address to listen on.  [default: {ENDPOINT}]")] = None,
+    connect: Annotated[str | None, typer.Option(help="Connect to a router instead of listening.")] = None,
+    zenoh_config: CONFIG = None,
+    run_id: Annotated[int | None, typer.Option(help="Identity of the run. [default: random]", show_default=False)] = None,
+    partners: Annotated[
+        list[str] | None, typer.Option("--await", metavar="ROLE", help="controller or recorder: start once it is there.")
+    ] = None,
+    patience: Annotated[float, typer.Option(help="Seconds to wait for partners, and in lockstep for commands.")] = 10.0,
+    fifo: FIFO = False,
+    supervised: SUPERVISED = False,
+) -> None:
+    """Simulate the rig: publish measurements, take valve commands.
+
+    It holds no control law. In real time it starts at once (or with its --await partners) and keeps the valve
+    centred until a controller speaks; in lockstep it waits for each command.
+    """
+    _supervised(supervised)
+    from bridge.identity import fresh
+    from bridge.link import Link
+    from bridge.plant_process import PlantOptions, run_plant
+    from bridge.scenario import load
+
+    link = Link(listen or (None if connect or zenoh_config else ENDPOINT), connect, zenoh_config, patience)
+    awaited = tuple(partners or (["controller"] if mode == ProcessMode.lockstep else []))
+    options = PlantOptions(mode.value, speed, fifo, fresh() if run_id is None else run_id, awaited, patience)
+    checked = load(scenario, changes)
+    refuse_fast_daq(checked, speed)
+    print(f"hydrotwin: plant {run_plant(checked, link, options)}")
+
+
+def refuse_fast_daq(scenario, speed: float) -> None:
+    """Real time goes to 5 kHz; faster acquisition is for `--mode inprocess`."""
+    from bridge.scenario import ScenarioError
+
+    period = scenario.loop.daq_period / speed
+    if period < 199e-6:
+        raise ScenarioError(
+            f"loop.daq_period {scenario.loop.daq_period:g} s at speed {speed:g}: processes go to 5 kHz; "
+            "nearest valid: 0.0002 s at speed 1; faster with --mode inprocess"
+        )
+
+
+@app.command(rich_help_panel=PROCESSES)
+def controller(
+    scenario: SCENARIO = "step",
+    changes: CHANGES = None,
+    law: Annotated[str | None, typer.Option(help="Your own law as module:function, or pd, relay, open-loop.")] = None,
+    mode: MODE = ProcessMode.realtime,
+    connect: CONNECT = ENDPOINT,
+    zenoh_config: CONFIG = None,
+    source: Annotated[int | None, typer.Option(help="Identity of this controller. [default: random]", show_default=False)] = None,
+    patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
+    fifo: FIFO = False,
+    supervised: SUPERVISED = False,
+) -> None:
+    """Answer measurements with valve commands until the plant ends.
+
+    With --law module:function the law is yours: a function of (sample, target, memory, gains) that returns
+    (spool, memory); memory is None at the first sample.
+    """
+    _supervised(supervised)
+    from bridge.controller_process import run_controller
+    from bridge.identity import fresh
+    from bridge.link import Link
+    from bridge.scenario import load
+
+    own = [f"controller.law={law}"] if law else []
+    checked = load(scenario, [*(changes or []), *own])
+    link = Link(None, connect, zenoh_config, patience)
+    run_controller(checked, link, mode.value, fresh() if source is None else source, fifo)
+
+
+@app.command(rich_help_panel=PROCESSES)
+def record(
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write. [default: runs/RIG-TIME.mcap]", show_default=False)] = None,
+    rig: Annotated[str, typer.Option(help="Name of the rig to record.")] = "rig",
+    mode: MODE = ProcessMode.realtime,
+    connect: CONNECT = ENDPOINT,
+    zenoh_config: CONFIG = None,
+    patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
+    supervised: SUPERVISED = False,
+) -> None:
+    """Record everything on a rig's keys to an MCAP file until the plant ends."""
+    _supervised(supervised)
+    from bridge.link import Link
+    from bridge.recorder_process import run_recorder
+
+    path = output or Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
+    link = Link(None, connect, zenoh_config, patience)
+    print(f"hydrotwin: recorded {run_recorder(path, rig, link, mode == ProcessMode.lockstep)}")
+
+
+@app.command(rich_help_panel=PROCESSES)
+def router(
+    listen: Annotated[str, typer.Option(help="Address to listen on.")] = "tcp/0.0.0.0:7447",
+    zenoh_config: CONFIG = None,
+) -> None:
+    """Route between machines until interrupted; plants and clients use --connect."""
+    from bridge.router import run_router
+
+    run_router(listen, zenoh_config)
+
+
+@app.command(rich_help_panel=PROCESSES)
+def reset(
+    rig: Annotated[str, typer.Option(help="Name of the rig.")] = "rig",
+    connect: CONNECT = ENDPOINT,
+    zenoh_config: CONFIG = None,
+) -> None:
+    """Bring a plant out of its safe state."""
+    from bridge.bus import Bus
+    from bridge.link import Link
+
+    with Bus(Link(None, connect, zenoh_config, 2.0), rig, "operator", blocking=True) as bus:
+        bus.session.put(f"{rig}/reset", b"\x00\x01\x00\x00\x00")
+        time.sleep(0.1)
+    print(f"hydrotwin: reset sent to {rig}")

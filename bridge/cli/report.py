@@ -1,0 +1,97 @@
+"""Tables for people: the summary of a run, the verdicts of checks."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from bridge.check import CheckResult
+from bridge.run import Outcome
+
+METRICS = {  # key: (words, factor, unit)
+    "rise_time": ("rise time (10-90 %)", 1e3, "ms"),
+    "overshoot": ("overshoot", 1e2, "%"),
+    "settling_time": ("settling time (2 %)", 1e3, "ms"),
+    "steady_error": ("steady error", 1e3, "mm"),
+    "rms_error": ("rms error", 1e3, "mm"),
+    "max_error": ("largest error", 1e3, "mm"),
+    "limit_cycle_amplitude": ("limit cycle amplitude", 1e3, "mm"),
+    "limit_cycle_frequency": ("limit cycle frequency", 1.0, "Hz"),
+    "peak_p1": ("peak p1", 1e-5, "bar"),
+    "peak_p_lower": ("peak p_lower", 1e-5, "bar"),
+    "peak_p_upper": ("peak p_upper", 1e-5, "bar"),
+    "min_p_lower": ("least p_lower", 1e-5, "bar"),
+    "min_p_upper": ("least p_upper", 1e-5, "bar"),
+    "valve_travel": ("valve travel", 1.0, "travels"),
+}
+
+
+def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """A plain table on standard output."""
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    for header in headers:
+        table.add_column(header, overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    Console().print(table)
+
+
+def value_with_unit(metric: str, value: float | None) -> str:
+    """A metric as people read it."""
+    _, factor, unit = METRICS[metric]
+    return "-" if value is None or value != value else f"{value * factor:.4g} {unit}"
+
+
+def print_summary(outcome: Outcome) -> None:
+    """The summary of a run."""
+    summary = outcome.summary
+    console = Console()
+    if "ending" in summary:
+        console.print(f"[bold]{summary['scenario']}[/bold] {summary['mode']}: {summary['ending']}")
+        rows = [(METRICS[name][0], value_with_unit(name, value)) for name, value in summary["metrics"].items()]
+        print_table(("control", ""), rows)
+        print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary["timing"]))
+        for line in _counts(summary):
+            console.print(line, highlight=False)
+    for fault in outcome.faults:
+        console.print(f"[red]{fault}[/red]", highlight=False, markup=True)
+    if outcome.recording:
+        console.print(f"recording  {outcome.recording}", highlight=False, soft_wrap=True)
+    if outcome.picture:
+        console.print(f"picture    {outcome.picture}", highlight=False, soft_wrap=True)
+
+
+def _timing_rows(timing: dict[str, Any]) -> list[list[str]]:
+    rows = []
+    for key, words in (("lateness", "lateness of the ticks"), ("round_trip", "measurement to command")):
+        spread = timing.get(key) or {}
+        if spread:
+            rows.append([words, *(f"{value * 1e6:.1f} us" for value in spread.values())])
+    return rows
+
+
+def _counts(summary: dict[str, Any]) -> Iterable[str]:
+    commands = summary["commands"]
+    overruns = summary["timing"].get("overruns")
+    if overruns:
+        yield (
+            f"overruns   {overruns['count']}, longest {overruns['worst'] * 1e3:.2f} ms, "
+            f"most ticks caught up {overruns['burst']}"
+        )
+    refused = ", ".join(f"{count} {reason}" for reason, count in commands["refused"].items()) or "none"
+    worst = f" (worst {commands['worst_lateness'] * 1e3:.2f} ms)" if commands["late"] else ""
+    lost = ", ".join(f"{count} {topic}" for topic, count in summary["lost"].items()) or "none"
+    yield f"commands   {commands['sent']} sent, {commands['late']} late{worst}; refused: {refused}"
+    yield f"lost       {lost}; safe states: {summary['safe_states']}"
+
+
+def print_checks(results: list[CheckResult]) -> None:
+    """The verdicts of `hydrotwin check`."""
+    rows = []
+    for result in results:
+        for verdict in result.verdicts:
+            mark = "[green]passed[/green]" if verdict.passed else "[red]FAILED[/red]"
+            rows.append((result.scenario.name, verdict.text, verdict.found, mark))
+        rows += [(result.scenario.name, fault, "", "[red]FAILED[/red]") for fault in result.faults]
+    print_table(("scenario", "expected", "found", ""), rows)

@@ -1,0 +1,80 @@
+"""The controller as its partners see it: measurements in, commands out. No clock, no network."""
+
+import importlib
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+from bridge.messages import Outgoing, Reference, ValveCommand
+from bridge.scenario import Scenario, ScenarioError
+from bridge.units import split
+from controller.law import LAWS, Gains, Law, Sample, per_metre
+from controller.reference import evaluate
+from controller.sampling import NS, is_sample
+
+
+class ControllerSide:
+    """One run of a control law."""
+
+    def __init__(self, scenario: Scenario, source: int) -> None:
+        self.grid = scenario.loop.grid()
+        self.source = source
+        self.law = find_law(scenario.controller.law)
+        self.gains = gains(scenario)
+        self.reference = scenario.reference.reference()
+        self.follows = scenario.controller.law != "open-loop"
+        self.published: dict[str, int] = {"command": 0, "reference": 0}
+        self._memory: Any = None
+
+    def answer(self, measurement: Any) -> list[Outgoing]:
+        """The command and the reference for a measurement at a sampling instant, nothing for others."""
+        stamp = measurement.stamp
+        if not is_sample(stamp, self.grid):
+            return []
+        m = measurement
+        target = evaluate(self.reference, stamp / NS)
+        sample = Sample(stamp, m.position, m.velocity, m.p1, m.p2, m.p3)
+        spool, self._memory = self.law(sample, target, self._memory, self.gains)
+        sequence = self.published["command"]
+        self.published = {"command": sequence + 1, "reference": sequence + 1}
+        position = target.position if self.follows else math.nan
+        command = ValveCommand(m.run_id, self.source, sequence, stamp, stamp + self.grid.delay, float(spool))
+        wanted = Reference(m.run_id, self.source, sequence, stamp, position, target.velocity)
+        return [Outgoing("command", stamp, sequence, command), Outgoing("reference", stamp, sequence, wanted)]
+
+
+def gains(scenario: Scenario) -> Gains:
+    """The gains in SI: V per % of stroke are turned into spool per metre."""
+    settings, rig = scenario.controller, scenario.rig
+    stroke, full_scale = rig.cylinder.stroke, rig.valve.full_scale
+    return Gains(
+        proportional=_per_metre(settings.gain, "V/%", stroke, full_scale),
+        derivative=_per_metre(settings.derivative, "V s/%", stroke, full_scale),
+        source=settings.velocity,
+        filter_time=settings.filter_time,
+        sample_period=scenario.loop.sample_period,
+        limit=settings.limit,
+        overlap=rig.valve.overlap if settings.compensate_overlap else 0.0,
+    )
+
+
+def _per_metre(text: str, volt_unit: str, stroke: float, full_scale: float) -> float:
+    number, unit = split(text)
+    return per_metre(number, stroke, full_scale) if unit == volt_unit else number
+
+
+def find_law(name: str) -> Law:
+    """A law by its name, or a user's by "module:function", looked for in the working folder too.
+
+    Raises ScenarioError when there is none.
+    """
+    if name in LAWS:
+        return LAWS[name]
+    module, _, function = name.partition(":")
+    if (here := str(Path.cwd())) not in sys.path:
+        sys.path.insert(0, here)
+    try:
+        return getattr(importlib.import_module(module), function)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ScenarioError(f"controller.law: cannot load {name!r}: {error}") from None

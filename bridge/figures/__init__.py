@@ -1,0 +1,51 @@
+"""The figures of the source, drawn again from the twin: each a picture and the table it was drawn from.
+
+A figure bears the source's number. Its numbers are computed apart from its drawing; both are the same at every run.
+"""
+
+import csv
+import difflib
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from bridge.figures import friction, oil
+from bridge.figures.canvas import Columns, Sheet
+
+
+class Figure(NamedTuple):
+    """One figure of the source."""
+
+    name: str  # its number there; also the name of its files
+    title: str
+    draw: Callable[[], tuple[Columns, Sheet]]
+
+
+_ALL = (
+    Figure("2.2", "Viscosity of the oil over its temperature", oil.draw_viscosity),
+    Figure("2.4", "Seal friction over the speed of the piston", friction.draw_over_speed),
+    Figure("2.5", "Seal friction over the pressure difference", friction.draw_over_pressure),
+    Figure("2.6", "Friction factor over the dimensionless speed", friction.draw_factor),
+)
+FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
+
+
+def draw_figure(name: str, directory: str | Path) -> tuple[Path, Path]:
+    """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. ValueError: no such figure."""
+    if name not in FIGURES:
+        nearest = difflib.get_close_matches(name, FIGURES, n=3, cutoff=0.5) or list(FIGURES)
+        raise ValueError(f"no figure {name!r}; nearest: {', '.join(nearest)}")
+    columns, sheet = FIGURES[name].draw()
+    directory = Path(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    picture, table = directory / f"{name}.png", directory / f"{name}.csv"
+    sheet.savefig(picture)
+    _write(table, columns)
+    return picture, table
+
+
+def _write(path: Path, columns: Columns) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(columns)
+        rows.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values(), strict=True))

@@ -1,0 +1,52 @@
+"""What all figures share: the sheet, its axes, and the shape of a table."""
+
+from __future__ import annotations  # matplotlib is slow to import: only who draws pays for it
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Sheet
+else:
+    Axes = Sheet = object
+
+Array = npt.NDArray[np.floating]
+Columns = dict[str, Array]  # name with its unit in brackets -> values, all equally long
+
+DOTS_PER_INCH = 150
+
+
+def sheet(title: str, panels: int = 1) -> tuple[Sheet, list[Axes]]:
+    """An empty sheet with a title and panels side by side."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    page = Figure(figsize=(9.0 if panels == 1 else 6.0 * panels, 5.0), dpi=DOTS_PER_INCH, layout="constrained")
+    FigureCanvasAgg(page)
+    page.suptitle(title, fontsize=12)
+    return page, [_panel(page, panels, index) for index in range(panels)]
+
+
+def _panel(page: Sheet, panels: int, index: int) -> Axes:
+    axes = page.add_subplot(1, panels, index + 1)
+    axes.grid(alpha=0.25, linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    return axes
+
+
+def label(axes: Axes, across: str, up: str) -> None:
+    """Name both axes, unit included."""
+    axes.set_xlabel(across)
+    axes.set_ylabel(up)
+
+
+def shades(values: Sequence[float]) -> list[tuple[float, float, float, float]]:
+    """A colour for each of some ordered values, dark to bright; told apart in grey as well."""
+    from matplotlib import colormaps
+
+    return [colormaps["plasma"](share) for share in np.linspace(0.0, 0.85, len(values))]

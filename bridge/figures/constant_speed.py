@@ -1,0 +1,141 @@
+"""The friction test of 2.3 on the twin: open-loop references just beyond the overlap, five loads, up and down.
+
+Where the speed is constant the forces balance, F_f = A_l p_l - A_u p_u - m g, so pressures tell the friction.
+Speeds are constant only in part: friction falls with speed, and what damps the piston is the lands' flow-pressure
+slope G, against the elastic oil C behind it; a speed is steady where about G/C > |dF_f/dv|/m. Between the rig's
+hoses that is beyond some 40 mm/s; with the valve on the cylinder, 0.2 m of steel pipe between them, beyond some
+20 mm/s: both are run. Slower, the piston sticks and slips, and a balance of means tells nothing of the law.
+"""
+
+from functools import cache
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge.figures.canvas import Array
+from bridge.scenario import Daq
+from twin.block import flatten, record, run_block
+from twin.circuit import Circuit
+from twin.equilibrium import equilibrium
+from twin.rig import RIG, build, numbers
+from twin.sensors import Card, acquire, noise_block
+
+LOADS = (165.0, 213.0, 243.0, 299.0, 334.0)  # [kg], 2.3
+BEYOND = (0.002, 0.005, 0.008, 0.011, 0.016, 0.02, 0.025, 0.03, 0.04, 0.05, 0.065)  # the overlap; share of the travel
+STEEL = {name: RIG["pipe_1"][name].value for name in ("wall", "young")}
+MOUNTED = {"length": 0.2, **STEEL}  # [m], assumed; little more than the step resolves
+LINES = {RIG["pipe_3"]["length"].value: {}, MOUNTED["length"]: {"pipe_3": MOUNTED, "pipe_4": MOUNTED}}
+START = {1.0: 0.03, -1.0: 0.24}  # [m], by direction: room to run
+STEP = 50e-6  # [s]
+SETTLING = 12_000  # steps before the first window: 0.6 s
+SAMPLE = 100  # steps: 5 ms
+SAMPLES = 80  # a window of 0.4 s
+WINDOWS = 3  # at most: the first steady one is read, else the last
+SPREAD = 0.01  # largest standard deviation of a constant speed, share of its mean
+REST = 1e-5  # [m/s], slower is at rest
+STEADY, UNSTEADY, RESTING, OUT_OF_RANGE = 0.0, 1.0, 2.0, 3.0  # what a run shows; only the first tells the friction
+LEAST_PRESSURE = 0.1e5  # [Pa], less is the end of a transducer's range: the card reads no vacuum
+CARD = Card(**{name: getattr(Daq.model_validate({}), name) for name in Card._fields})
+SEED = 24
+
+
+class Run(NamedTuple):
+    """One run, before it is read."""
+
+    line: float  # between valve and cylinder [m]
+    mass: float  # [kg]
+    reference: float  # of the spool, -1..1
+    circuit: Circuit
+    taps: NDArray[np.float64]  # true values in the window: sample, (a step before, then), channel
+
+
+class Readings(NamedTuple):
+    """Means over the window, an entry per run."""
+
+    line: Array  # between valve and cylinder [m]
+    mass: Array  # [kg]
+    reference: Array  # of the spool, -1..1
+    speed: Array  # v [m/s], the slope of the position
+    spread: Array  # standard deviation of the true speed [m/s]
+    p_lower: Array  # p_l = p2 [Pa]
+    p_upper: Array  # p_u = p3 [Pa]
+    force: Array  # F_f [N], by the balance
+    verdict: Array  # STEADY, UNSTEADY, RESTING or OUT_OF_RANGE
+
+    @property
+    def steady(self) -> NDArray[np.bool_]:
+        return self.verdict == STEADY
+
+    @property
+    def sealing(self) -> Array:
+        """p_w [Pa]."""
+        return np.abs(self.p_lower - self.p_upper)
+
+
+def bench(line: float, mass: float) -> Circuit:
+    """The rig with a load [kg] and one of LINES [m] between valve and cylinder."""
+    return build(numbers({**LINES[line], "load": {"mass": mass}}), STEP)
+
+
+def window_of(reference: float, direction: float, circuit: Circuit) -> NDArray[np.float64]:
+    """Taps (sample, 2, channel) in the first steady window at a spool reference, or in the last one."""
+    parameters, state = record(circuit), flatten(equilibrium(circuit, START[direction]))
+    taps = np.empty((SAMPLES, 2, 5))
+    run_block(state, reference, parameters, SETTLING, taps[0])
+    for _ in range(WINDOWS):
+        for sample in taps:
+            run_block(state, reference, parameters, SAMPLE, sample)
+        if verdict(taps) == STEADY:
+            break
+    return taps
+
+
+def verdict(taps: NDArray[np.float64]) -> float:
+    """What a window shows, by the true speed."""
+    speed = taps[:, 1, 1]
+    if abs(speed.mean()) < REST:
+        return RESTING
+    return STEADY if speed.std() <= SPREAD * abs(speed.mean()) else UNSTEADY
+
+
+@cache
+def runs() -> list[Run]:
+    """All runs: lines, loads, references, up and down."""
+    made = []
+    for line, mass in product(LINES, LOADS):
+        circuit = bench(line, mass)
+        for beyond, direction in product(BEYOND, START):
+            reference = direction * (circuit.valve.overlap + beyond)
+            made.append(Run(line, mass, reference, circuit, window_of(reference, direction, circuit)))
+    return made
+
+
+def scan(taps: NDArray[np.float64], card: Card | None, block: int) -> NDArray[np.float64]:
+    """What the card reads in a window: sample, channel. block: of the noise; card None: the true values."""
+    if card is None:
+        return taps[:, 1]
+    out = np.empty((len(taps), 5))
+    for sample, noise, row in zip(taps, noise_block(SEED, block), out, strict=False):
+        acquire(sample, noise, card, STEP, row)
+    return out
+
+
+def read(run: Run, card: Card | None, block: int) -> tuple[float, ...]:
+    """A row of Readings."""
+    samples = scan(run.taps, card, block)
+    speed = np.polyfit(np.arange(SAMPLES) * SAMPLE * STEP, samples[:, 0], 1)[0]
+    lower, upper = samples[:, 3:].mean(axis=0)
+    cylinder, load = run.circuit.cylinder, run.circuit.load
+    force = cylinder.area_lower * lower - cylinder.area_upper * upper - load.mass * load.gravity
+    shown = verdict(run.taps)
+    if card is not None and shown == STEADY and upper < LEAST_PRESSURE:
+        shown = OUT_OF_RANGE
+    return run.line, run.mass, run.reference, speed, run.taps[:, 1, 1].std(), lower, upper, force, shown
+
+
+@cache
+def readings(card: Card | None = CARD) -> Readings:
+    """The test as the card reads it, or, without a card, as it is."""
+    return Readings(*np.array([read(run, card, block) for block, run in enumerate(runs())]).T)

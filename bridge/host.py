@@ -1,0 +1,33 @@
+"""Facts about the machine and the versions, for the recording and for people."""
+
+import os
+import platform
+import sys
+from importlib import metadata
+from pathlib import Path
+
+PACKAGES = ("hydrotwin", "numpy", "numba", "scipy", "eclipse-zenoh", "mcap", "rosbags", "control", "rerun-sdk")
+
+
+def versions() -> dict[str, str]:
+    """Version of each package we stand on; "absent" for one that is not installed."""
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "absent"
+    return found
+
+
+def cpu() -> str:
+    """The processor's name, as the kernel tells it."""
+    for line in Path("/proc/cpuinfo").read_text().splitlines() if sys.platform == "linux" else []:
+        if line.startswith("model name"):
+            return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def host() -> dict[str, str | int]:
+    """The machine."""
+    return {"system": platform.platform(), "processor": cpu(), "cores": os.cpu_count() or 1}

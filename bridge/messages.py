@@ -1,0 +1,204 @@
+"""Every message, in one table: type, key, rate, direction, reliability.
+
+Payloads are ROS 2 messages in CDR. Those of the loop are flat: 8-byte fields after the 4-byte CDR header, so that
+`struct` alone can read and write them.
+"""
+
+from dataclasses import fields
+from typing import Any, NamedTuple
+
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from twin.block import OBSERVED
+
+PACKAGE = "hydrotwin_msgs/msg"
+
+LOOP_MESSAGES: dict[str, str] = {
+    "Measurement": """\
+# One scan of the data acquisition: what the card read.
+uint64 run_id
+uint64 sequence
+uint64 tick       # stamp = tick * DAQ period
+int64 stamp       # simulated time since the start of the run [ns]
+float64 position  # [m], upwards
+float64 velocity  # [m/s], tachometer; NaN when absent
+float64 p1        # [Pa] gauge, inlet of the relief valve
+float64 p2        # [Pa] gauge, lower chamber (rod side, it lifts)
+float64 p3        # [Pa] gauge, upper chamber (cap side)
+""",
+    "ValveCommand": """\
+# One command to the proportional valve, held until the next one acts.
+uint64 run_id
+uint64 source        # random, one per controller: the first valid one owns the plant
+uint64 sequence      # counts this controller's commands
+int64 sample_stamp   # stamp of the measurement it answers [ns]
+int64 apply_at       # when it acts [ns], a whole number of internal steps
+float64 spool        # spool reference, -1 .. 1; positive lifts
+""",
+    "Reference": """\
+# What the controller wanted at a sample.
+uint64 run_id
+uint64 source
+uint64 sequence
+int64 stamp       # [ns]
+float64 position  # [m]; NaN for a law that follows none
+float64 velocity  # [m/s]
+""",
+    "PlantState": "# The true state, unseen by the card.\nuint64 run_id\nuint64 sequence\nuint64 tick\nint64 stamp\n"
+    + "float64 reference  # spool reference in force, -1 .. 1\n"
+    + "".join(f"float64 {name}\n" for name in OBSERVED),
+    "LoopTiming": """\
+# One tick in real time: wall-clock things, never part of the data.
+uint64 run_id
+uint64 sequence
+uint64 tick
+int64 stamp       # [ns] simulated
+int64 lateness    # of the wake-up [ns] wall
+int64 cost        # of integrating, sampling and publishing the measurement [ns] wall
+int64 round_trip  # measurement out to its command in [ns] wall; -1 without a new one
+int64 slack       # how long before it was needed the last command came [ns] wall; negative: late; 0 without one
+""",
+}
+
+OTHER_MESSAGES: dict[str, str] = {
+    "Event": """\
+# Something worth knowing about a run.
+uint64 run_id
+uint64 sequence
+int64 stamp       # simulated [ns]
+string kind       # started, ended, late, refused, safe, reset, resumed
+uint64 source     # of the command it is about, else 0
+uint64 command    # its sequence, else 0
+int64 apply_at    # when the command was to act [ns], else 0
+int64 applied_at  # when it acted [ns], else 0
+string text
+""",
+    "Status": """\
+# How a process is doing.
+uint64 run_id
+uint64 sequence
+int64 stamp       # simulated [ns]
+string role       # plant, controller, recorder
+string phase      # waiting, running, safe, ended, failed
+uint64 pid
+string[] names    # of the values
+float64[] values
+string text
+""",
+}
+
+
+class Topic(NamedTuple):
+    """One key of a rig and what travels on it."""
+
+    name: str  # below the rig's name
+    type: str  # ROS 2 type
+    publisher: str
+    rate: str
+    data: bool  # simulated quantities only: identical between lockstep, in-process and a clean real-time run
+    express: bool  # sent at once, at real-time priority
+
+
+def _own(name: str) -> str:
+    return f"{PACKAGE}/{name}"
+
+
+TOPICS: dict[str, Topic] = {
+    topic.name: topic
+    for topic in (
+        Topic("measurement", _own("Measurement"), "plant", "DAQ period", True, True),
+        Topic("command", _own("ValveCommand"), "controller", "sample period", True, True),
+        Topic("reference", _own("Reference"), "controller", "sample period", True, False),
+        Topic("state", _own("PlantState"), "plant", "DAQ period", True, False),
+        Topic("event", _own("Event"), "plant", "as it happens", True, False),
+        Topic("joint", "sensor_msgs/msg/JointState", "plant", "viewer period", True, False),
+        Topic("pressure/p1", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
+        Topic("pressure/p2", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
+        Topic("pressure/p3", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
+        Topic("timing", _own("LoopTiming"), "plant", "DAQ period, real time only", False, False),
+        Topic("status", _own("Status"), "all", "10 Hz of wall time, and at the end", False, False),
+        Topic("reset", "std_msgs/msg/Empty", "anybody", "to leave the safe state", False, False),
+    )
+}
+
+STORE = get_typestore(Stores.ROS2_JAZZY)
+for _name, _text in (LOOP_MESSAGES | OTHER_MESSAGES).items():
+    STORE.register(get_types_from_msg(_text, _own(_name)))
+
+Measurement: Any = STORE.types[_own("Measurement")]
+ValveCommand: Any = STORE.types[_own("ValveCommand")]
+Reference: Any = STORE.types[_own("Reference")]
+PlantState: Any = STORE.types[_own("PlantState")]
+LoopTiming: Any = STORE.types[_own("LoopTiming")]
+Event: Any = STORE.types[_own("Event")]
+Status: Any = STORE.types[_own("Status")]
+JointState: Any = STORE.types["sensor_msgs/msg/JointState"]
+FluidPressure: Any = STORE.types["sensor_msgs/msg/FluidPressure"]
+Header: Any = STORE.types["std_msgs/msg/Header"]
+Time: Any = STORE.types["builtin_interfaces/msg/Time"]
+
+
+class Outgoing(NamedTuple):
+    """A message on its way: topic name, log time [ns of simulated time], publisher's sequence, message."""
+
+    topic: str
+    log_time: int
+    sequence: int
+    message: Any
+
+
+def encode(message: Any) -> bytes:
+    """CDR, little endian, with its 4-byte header."""
+    return bytes(STORE.serialize_cdr(message, message.__msgtype__))
+
+
+def decode(payload: bytes, topic: str) -> Any:
+    """The message that a payload on a topic holds. Raises ValueError when it is not one."""
+    kind = TOPICS[topic].type
+    size = flat_size(kind)
+    if size is not None and len(payload) != size:
+        raise ValueError(f"{len(payload)} bytes are no {kind}, which has {size}")
+    try:
+        return STORE.deserialize_cdr(payload, kind)
+    except (SerdeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{len(payload)} bytes are no {kind}") from error
+
+
+def encoding(kind: str) -> str:
+    """What a publication says of its payload."""
+    return f"application/cdr;{kind}"
+
+
+def definition(kind: str) -> str:
+    """The `.msg` text of a type, with those it needs: a `ros2msg` schema."""
+    return STORE.generate_msgdef(kind, ros_version=2)[0]
+
+
+def type_hash(kind: str) -> str:
+    """The ROS 2 hash of a type (RIHS01)."""
+    return STORE.hash_rihs01(kind)
+
+
+_CODES = {"uint64": "Q", "int64": "q", "float64": "d"}
+_FORMATS: dict[str, str | None] = {}
+
+
+def struct_format(kind: str) -> str | None:
+    """The `struct` format of a flat message, header skipped; None for one with strings or arrays."""
+    if kind not in _FORMATS:
+        bases = [field[1][1] for field in STORE.fielddefs[kind][1]]
+        codes = [_CODES.get(base[0]) if isinstance(base, tuple) else None for base in bases]
+        _FORMATS[kind] = None if None in codes or not codes else "<4x" + "".join(c for c in codes if c)
+    return _FORMATS[kind]
+
+
+def flat_size(kind: str) -> int | None:
+    """Bytes of a flat message, header included; None for others."""
+    layout = struct_format(kind)
+    return None if layout is None else 4 + 8 * (len(layout) - 3)
+
+
+def field_names(kind: str) -> list[str]:
+    """The fields of a message type, in order."""
+    return [field.name for field in fields(STORE.types[kind]) if not field.name.startswith("__")]

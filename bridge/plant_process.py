@@ -1,0 +1,227 @@
+"""The plant as a process: connect, pace, and let the plant side do the rest."""
+
+import json
+import queue
+import time
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from bridge.bus import Bus
+from bridge.clock import Overruns, Stop, prepare, ticks
+from bridge.host import host, versions
+from bridge.link import Link
+from bridge.messages import LoopTiming, Outgoing
+from bridge.plant_side import PlantSide
+from bridge.scenario import Scenario
+from controller.sampling import NS
+
+STATUS_PERIOD = 100_000_000  # [ns] of wall time
+LINGER = 5.0  # seconds that partners get to finish
+
+
+class PlantOptions(NamedTuple):
+    """How a plant is run."""
+
+    mode: str  # lockstep, realtime
+    speed: float  # simulated over wall time
+    fifo: bool
+    run_id: int
+    partners: tuple[str, ...]  # roles to wait for before the clock starts
+    patience: float  # seconds to wait for them, and in lockstep for each command
+
+
+class Failure(Exception):
+    """The run cannot go on; the text names who or what, and when."""
+
+
+class Command(NamedTuple):
+    """A payload off the wire and when it came [ns, monotonic]."""
+
+    payload: bytes
+    kind: str
+    came: int
+
+
+class PlantProcess:
+    """One run of a plant on a bus."""
+
+    def __init__(self, bus: Bus, scenario: Scenario, options: PlantOptions, notes: list[str], stop: Stop) -> None:
+        self.bus = bus
+        self.scenario = scenario
+        self.options = options
+        self.stop = stop
+        self.side = PlantSide(scenario, options.run_id)
+        self.timing: dict[str, float] = {}
+        self._commands: queue.SimpleQueue[Command | None] = queue.SimpleQueue()
+        self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
+        self._status_due = 0
+        self._timings = 0
+        self._text = "; ".join(notes)
+        bus.answer("scenario", self._manifest)
+        bus.subscribe("command", self._on_command)
+        bus.subscribe("reset", lambda *_: self._commands.put(None))
+        bus.watch()
+        bus.announce()
+
+    def run(self) -> str:
+        """Run to the end; returns what ended it. Raises Failure when a partner does not come or does not answer."""
+        missing = self.bus.await_roles(self.options.partners, self.options.patience, self.stop)
+        if missing and not self.stop():
+            raise Failure(f"no {' and no '.join(missing)} within {self.options.patience:g} s of the start")
+        if self.options.mode == "lockstep":
+            self._lockstep()
+        else:
+            self._real_time()
+        return "interrupted" if self.side.tick_number < self.scenario.ticks else "complete"
+
+    def close(self, ending: str, partners: tuple[str, ...] = ("controller", "recorder")) -> None:
+        """Say the last words and stay until the partners have left: their messages pass through here."""
+        for message in self.side.finish(f"{ending} after {self.side.tick_number} ticks"):
+            self.bus.publish(message)
+        self._report("ended" if ending == "complete" else ending, final=True)
+        self.bus.await_leaving(partners, LINGER)
+
+    def _lockstep(self) -> None:
+        self._publish(self.side.start())
+        while self.side.tick_number < self.scenario.ticks and not self.stop():
+            self._await_command()
+            self._publish(self.side.tick())
+            self._report_when_due(time.monotonic_ns(), {})
+
+    def _await_command(self) -> None:
+        """Before it integrates past an `apply_at` the plant has that command, or says whose fault it is."""
+        deadline = time.monotonic() + self.options.patience
+        while (stamp := self.side.awaited()) is not None and not self.stop():
+            try:
+                self._handle(self._commands.get(timeout=0.1))
+            except queue.Empty:
+                if time.monotonic() > deadline:
+                    raise Failure(self._silence(stamp)) from None
+
+    def _silence(self, stamp: int) -> str:
+        refused = sum(self.side.gate.refused.values())
+        also = f"; {refused} commands were refused: {self.side.gate.refused}" if refused else ""
+        return (
+            f"the controller has not answered the measurement of tick {stamp // self.side.grid.daq} "
+            f"(t = {stamp / NS:g} s) within {self.options.patience:g} s{also}"
+        )
+
+    def _real_time(self) -> None:
+        self.side.tick_number = 0
+        period = self.side.grid.daq / self.options.speed
+        policy = self.scenario.real_time
+        overruns = Overruns(period, policy.grace * NS)
+        self._publish(self.side.start(), time.monotonic_ns())
+        latest = 0
+        for tick in ticks(period):
+            trip, slack = self._take_commands(tick.due, period)
+            self._publish(self.side.tick(), time.monotonic_ns())
+            overruns.add(tick.lateness, tick.number * period)
+            latest = max(latest, tick.lateness)
+            now = time.monotonic_ns()
+            self._time(tick.lateness, now - tick.due - tick.lateness, trip, slack)
+            self.timing = {
+                "overruns": overruns.count,
+                "worst_overrun": overruns.worst / NS,
+                "longest_burst": overruns.burst,
+                "lateness": latest / NS,
+                "round_trip": trip / NS,
+            }
+            if self._report_when_due(now, self.timing):
+                latest = 0
+            if tick.number >= self.scenario.ticks or self.stop():
+                return
+
+    def _take_commands(self, due: int, period: float) -> tuple[int, int]:
+        """Take all that has come; the newest round trip and how early it was [ns], -1 and 0 without one."""
+        trip, slack = -1, 0
+        for command in self._arrived():
+            taken = self._handle(command)
+            if taken is not None and command is not None and taken.sample_stamp in self._sent:
+                trip = command.came - self._sent.pop(taken.sample_stamp)
+                ahead = (taken.apply_at - self.side.now) / self.side.grid.daq
+                slack = due + round(ahead * period) - command.came
+        return trip, slack
+
+    def _arrived(self) -> Iterator[Command | None]:
+        while True:
+            try:
+                yield self._commands.get_nowait()
+            except queue.Empty:
+                return
+
+    def _handle(self, command: Command | None) -> Any:
+        if command is None:
+            self.side.reset()
+            return None
+        return self.side.receive(command.payload, command.kind)
+
+    def _on_command(self, payload: bytes, kind: str, stamp: tuple[int, int] | None) -> None:
+        self._commands.put(Command(payload, kind, time.monotonic_ns()))
+
+    def _publish(self, messages: list[Outgoing], sent: int = 0) -> None:
+        for message in messages:
+            self.bus.publish(message)
+        if sent:
+            self._sent[self.side.now] = sent
+            if len(self._sent) > 20_000:
+                self._sent.clear()
+
+    def _time(self, lateness: int, cost: int, trip: int, slack: int) -> None:
+        side = self.side
+        timing = LoopTiming(side.run_id, self._timings, side.tick_number, side.now, lateness, cost, trip, slack)
+        self.bus.publish(Outgoing("timing", side.now, self._timings, timing))
+        self._timings += 1
+
+    def _report_when_due(self, now: int, extra: dict[str, float]) -> bool:
+        if now < self._status_due:
+            return False
+        self._status_due = now + STATUS_PERIOD
+        self._report("safe" if self.side.watchdog.safe else "running", extra=extra)
+        return True
+
+    def _report(self, phase: str, final: bool = False, extra: dict[str, float] | None = None) -> None:
+        side, m = self.side, self.side.measurement
+        values: dict[str, float] = {
+            "tick": side.tick_number,
+            "ticks": self.scenario.ticks,
+            "commands": side.gate.accepted,
+            "late": side.late,
+            "worst_late": side.worst_lateness / NS,
+            "safe_states": side.watchdog.trips,
+        }
+        if m is not None:
+            values |= {"position": m.position, "p1": m.p1, "p2": m.p2, "p3": m.p3, "spool": side.hold.value}
+        values |= {f"refused/{reason}": count for reason, count in side.gate.refused.items()}
+        values |= self.timing if extra is None else extra
+        if final:
+            counts = side.published | {"timing": self._timings}
+            values |= {f"published/{topic}": count for topic, count in counts.items()}
+        self.bus.publish_status(side.run_id, side.now, phase, values, self._text)
+
+    def _manifest(self) -> bytes:
+        """What a recorder puts at the head of its file."""
+        facts = {
+            "run_id": str(self.side.run_id),
+            "mode": self.options.mode,
+            "speed": self.options.speed,
+            "scenario": self.scenario.model_dump(mode="json"),
+            "versions": versions(),
+            "host": host(),
+        }
+        return json.dumps(facts).encode()
+
+
+def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> str:
+    """Run a plant to its end. Raises Failure or LinkError with one line for people."""
+    stop = Stop()
+    notes = prepare(options.fifo)
+    with Bus(link, scenario.rig_name, "plant", blocking=options.mode == "lockstep") as bus:
+        process = PlantProcess(bus, scenario, options, notes, stop)
+        try:
+            ending = process.run()
+        except Failure as failure:
+            process.close(f"failed: {failure}", partners=("recorder",))
+            raise
+        process.close(ending)
+        return ending

@@ -1,0 +1,221 @@
+"""The plant as its partners see it: blocks of simulation between measurements, commands in, messages out.
+
+No clock, no network: `tick` is called when it is time, `receive` when something has come. The in-process loop and the
+plant process run this same code.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from bridge.messages import (
+    TOPICS,
+    Event,
+    FluidPressure,
+    Header,
+    JointState,
+    Measurement,
+    Outgoing,
+    PlantState,
+    Time,
+    decode,
+)
+from bridge.safety import Gate, Refusal, Watchdog
+from bridge.scenario import Scenario
+from controller.hold import Hold
+from controller.sampling import NS, last_due, to_ns
+from twin.block import OBSERVED, compiled_for, flatten, observe, run_block
+from twin.equilibrium import equilibrium
+from twin.rig import build
+from twin.sensors import NOISE_ROWS, Card, acquire, noise_block
+
+SAFE = 0.0  # spool reference of the safe state: valve centred
+Note = tuple[str, int, int, int, int, str]  # kind, source, command, apply_at, applied_at, text
+EVENTS_PER_REASON = 100  # refusals of one kind that are recorded one by one; all are counted
+
+
+class PlantSide:
+    """One run of the plant."""
+
+    def __init__(self, scenario: Scenario, run_id: int) -> None:
+        loop = scenario.loop
+        self.scenario = scenario
+        self.run_id = run_id
+        self.grid = loop.grid()
+        self.gate = Gate(run_id, self.grid)
+        self.watchdog = Watchdog(to_ns(loop.command_timeout), self.grid, loop.after_timeout == "latch")
+        self.hold = Hold(SAFE)
+        self.tick_number = 0
+        self.late = 0
+        self.worst_lateness = 0
+        self.published: dict[str, int] = {}
+        self._viewer_ticks = max(1, round(loop.viewer_period * NS / self.grid.daq))
+        circuit = build(scenario.numbers(), loop.step)
+        self._circuit = compiled_for(circuit)
+        self._state = flatten(equilibrium(circuit, scenario.start.position))
+        self._taps = np.zeros((2, 5))
+        self._card = _card(scenario)
+        self._noise = noise_block(scenario.seed, 0)
+        self._reading = np.zeros(5)
+        self._observed = np.zeros(len(OBSERVED))
+        self._notes: list[Note] = []
+        self.measurement: Any = None
+
+    @property
+    def now(self) -> int:
+        """Simulated time reached [ns]."""
+        return self.tick_number * self.grid.daq
+
+    def start(self) -> list[Outgoing]:
+        """The messages of tick 0: the rig at rest."""
+        run_block(self._state, self.hold.value, self._circuit, 0, self._taps)
+        self._taps[0] = self._taps[1]
+        self.note("started", f"scenario {self.scenario.name}, {self.scenario.duration:g} s")
+        return self._messages()
+
+    def awaited(self) -> int | None:
+        """Stamp of the sample whose command the next block cannot do without; None when it has all."""
+        due = last_due(self.now + self.grid.daq, self.grid)
+        return due if due is not None and due > self.gate.last_sample else None
+
+    def receive(self, payload: bytes, kind: str = "") -> Any:
+        """Take a command from the wire; `kind` is the type it claims. The command if it was taken, else None."""
+        try:
+            if kind and kind != TOPICS["command"].type:
+                raise ValueError(f"a message of type {kind!r}")
+            command = decode(payload, "command")
+        except ValueError as error:
+            self._record_refusal(self.gate.refuse("undecodable", str(error)), 0, 0, 0)
+            return None
+        return command if self.take(command) else None
+
+    def take(self, command: Any) -> bool:
+        """Take a command; False when it was refused."""
+        if self.watchdog.blocks():
+            refusal = self.gate.refuse("latched", "the plant is in its safe state until reset")
+        else:
+            refusal = self.gate.check(command, self.now)
+        if refusal is not None:
+            self._record_refusal(refusal, command.source, command.sequence, command.apply_at)
+            return False
+        if self.watchdog.safe:
+            self.watchdog.clear()
+            self.note("resumed", "commands have resumed", command.source, command.sequence)
+        if command.apply_at < self.now:
+            self._record_late(command)
+        self.hold.put(command.apply_at, command.spool)
+        return True
+
+    def reset(self) -> None:
+        """Leave the safe state on somebody's word."""
+        if self.watchdog.safe:
+            self.watchdog.clear()
+            self.gate.release()
+            self.gate.last_apply = -1
+            self.note("reset", "safe state left by reset")
+
+    def tick(self, lean: bool = False) -> list[Outgoing]:
+        """Integrate the block that has just passed and return its messages; `lean`: the measurement alone."""
+        begin, end = self.now, self.now + self.grid.daq
+        self._watch(begin, end)
+        for segment in self.hold.segments(begin, end):
+            steps = (segment.end - segment.begin) // self.grid.step
+            run_block(self._state, segment.value, self._circuit, steps, self._taps)
+        self.tick_number += 1
+        return [self._measure()] if lean else self._messages()
+
+    def finish(self, text: str) -> list[Outgoing]:
+        """The last words."""
+        self.note("ended", text)
+        return self._drain()
+
+    def note(
+        self, kind: str, text: str, source: int = 0, command: int = 0, apply_at: int = 0, applied_at: int = 0
+    ) -> None:
+        """Record an event; it goes out, stamped, with the next messages."""
+        self._notes.append((kind, source, command, apply_at, applied_at, text))
+
+    def _watch(self, begin: int, end: int) -> None:
+        if self.gate.last_apply < 0 or self.watchdog.safe:
+            return
+        at = self.watchdog.trip_at(self.gate.last_apply)
+        if at < end:
+            self.watchdog.trip()
+            self.gate.release()
+            self.hold.put(max(at, begin), SAFE)
+            timeout = self.watchdog.timeout / NS
+            self.note("safe", f"no command for {timeout:g} s: valve centred", applied_at=max(at, begin))
+
+    def _record_late(self, command: Any) -> None:
+        self.late += 1
+        behind = self.now - command.apply_at
+        self.worst_lateness = max(self.worst_lateness, behind)
+        text = f"acted {behind / 1e6:g} ms late"
+        self.note("late", text, command.source, command.sequence, command.apply_at, self.now)
+
+    def _record_refusal(self, refusal: Refusal, source: int, sequence: int, apply_at: int) -> None:
+        count = self.gate.refused[refusal.reason]
+        if count <= EVENTS_PER_REASON:
+            last = "; more of these are only counted" if count == EVENTS_PER_REASON else ""
+            self.note("refused", f"{refusal.reason}: {refusal.text}{last}", source, sequence, apply_at)
+
+    def _count(self, topic: str) -> int:
+        sequence = self.published.get(topic, 0)
+        self.published[topic] = sequence + 1
+        return sequence
+
+    def _messages(self) -> list[Outgoing]:
+        out = [self._measure(), self._true_state()]
+        if self.tick_number % self._viewer_ticks == 0:
+            out += self._viewer_messages()
+        return out + self._drain()
+
+    def _drain(self) -> list[Outgoing]:
+        notes, self._notes = self._notes, []
+        return [self._event(note) for note in notes]
+
+    def _event(self, note: Note) -> Outgoing:
+        sequence = self._count("event")
+        return Outgoing("event", self.now, sequence, Event(self.run_id, sequence, self.now, *note))
+
+    def _measure(self) -> Outgoing:
+        row = self.tick_number % NOISE_ROWS
+        if row == 0 and self.tick_number:
+            self._noise = noise_block(self.scenario.seed, self.tick_number // NOISE_ROWS)
+        acquire(self._taps, self._noise[row], self._card, self.scenario.loop.step, self._reading)
+        sequence = self._count("measurement")
+        self.measurement = Measurement(self.run_id, sequence, self.tick_number, self.now, *self._reading.tolist())
+        return Outgoing("measurement", self.now, sequence, self.measurement)
+
+    def _true_state(self) -> Outgoing:
+        observe(self._state, self._circuit, self._observed)
+        sequence = self._count("state")
+        values = self._observed.tolist()
+        state = PlantState(self.run_id, sequence, self.tick_number, self.now, self.hold.value, *values)
+        return Outgoing("state", self.now, sequence, state)
+
+    def _viewer_messages(self) -> list[Outgoing]:
+        m = self.measurement
+        header = Header(Time(self.now // NS, self.now % NS), self.scenario.rig_name)
+        effort = np.array([])
+        joint = JointState(header, ["piston"], np.array([m.position]), np.array([m.velocity]), effort)
+        out = [Outgoing("joint", self.now, self._count("joint"), joint)]
+        for tap in ("p1", "p2", "p3"):
+            topic = f"pressure/{tap}"
+            out.append(Outgoing(topic, self.now, self._count(topic), FluidPressure(header, getattr(m, tap), 0.0)))
+        return out
+
+
+def _card(scenario: Scenario) -> Card:
+    daq = scenario.daq
+    return Card(
+        daq.bits,
+        daq.position_range,
+        daq.velocity_range,
+        daq.pressure_range,
+        daq.noise,
+        daq.skew,
+        daq.quantise,
+        daq.clip,
+        daq.tachometer,
+    )

@@ -1,0 +1,181 @@
+"""The recorder as a process: everything on a rig's keys into an MCAP file, losses counted."""
+
+import json
+import queue
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.bus import Bus
+from bridge.clock import Stop
+from bridge.link import Link
+from bridge.messages import TOPICS, decode
+from bridge.plant_process import Failure
+from bridge.recording.order import Order
+from bridge.recording.reader import read
+from bridge.recording.writer import RecordingWriter
+from bridge.scenario import Scenario, check
+from bridge.summary import summarise
+
+PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
+
+
+class Arrival(NamedTuple):
+    """A message as it came off the bus."""
+
+    topic: str
+    payload: bytes
+    stamp: tuple[int, int] | None  # log time, sequence
+
+
+class RecorderProcess:
+    """Records one run after the other; a new run id starts a new file."""
+
+    def __init__(self, bus: Bus, path: Path, stop: Stop) -> None:
+        self.bus = bus
+        self.path = path
+        self.stop = stop
+        self._inbox: queue.SimpleQueue[Arrival] = queue.SimpleQueue()
+        for topic in TOPICS:
+            bus.subscribe(topic, lambda payload, kind, stamp, topic=topic: self._take(topic, payload, stamp))
+        bus.watch()
+
+    def run(self) -> Path:
+        """Record until the plant has ended or is gone. Raises Failure when no plant answers."""
+        manifest = self.bus.ask("scenario")
+        if manifest is None:
+            raise Failure(f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig")
+        file = OpenFile(self.path, json.loads(manifest))
+        self.bus.announce()
+        while not self.stop() and not self._over(file):
+            file.flush_by_time()
+            try:
+                arrival = self._inbox.get(timeout=0.05)
+            except queue.Empty:
+                continue
+            if file.belongs_to_next_run(arrival):
+                file.close()
+                file = self._next_file(file)
+            file.take(arrival)
+        file.close()
+        self.bus.publish_status(file.run_id, file.stamp, "ended", {"lost": float(sum(file.losses().values()))})
+        return file.path
+
+    def _next_file(self, file: "OpenFile") -> "OpenFile":
+        manifest = self.bus.ask("scenario")
+        path = self.path.with_stem(f"{self.path.stem}-{time.strftime('%H%M%S')}-{file.number + 1}")
+        return OpenFile(path, json.loads(manifest or b"{}"), file.number + 1)
+
+    def _take(self, topic: str, payload: bytes, stamp: tuple[int, int] | None) -> None:
+        self._inbox.put(Arrival(topic, payload, stamp))
+
+    def _over(self, file: "OpenFile") -> bool:
+        if file.ended_at is None:
+            gone = file.stamp > 0 and not self.bus.present.get("plant", {"?"})
+            return gone and self._inbox.empty()
+        expected = {"plant"} | ({"controller"} if self.bus.present.get("controller") else set())
+        settled = expected <= set(file.announced) and not sum(file.losses().values())
+        return settled or time.monotonic() - file.ended_at > PATIENCE
+
+
+class OpenFile:
+    """One run being written."""
+
+    def __init__(self, path: Path, manifest: dict[str, Any], number: int = 0) -> None:
+        self.path = path
+        self.number = number
+        self.scenario: Scenario = check(manifest["scenario"], "the plant's scenario")
+        self.run_id = int(manifest["run_id"])
+        self.stamp = 0
+        self.ended_at: float | None = None
+        self.announced: dict[str, dict[str, int]] = {}  # role -> topic -> messages it says it sent
+        self.rejected = 0
+        self._got: dict[str, int] = {}
+        self._live = manifest["mode"] == "realtime"
+        self._writer = RecordingWriter(path, self.scenario.rig_name)
+        self._writer.metadata("run", manifest | {"recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z")})
+        self._writer.flush()
+        self._order = Order(self.scenario.loop.grid(), controlled=True)
+
+    def belongs_to_next_run(self, arrival: Arrival) -> bool:
+        """A measurement of another run than this file's."""
+        if arrival.topic != "measurement":
+            return False
+        try:
+            return decode(arrival.payload, "measurement").run_id != self.run_id
+        except ValueError:
+            return False
+
+    def take(self, arrival: Arrival) -> None:
+        """Write a message, or keep it until its place has come; what is no message of this run is counted."""
+        try:
+            message = decode(arrival.payload, arrival.topic)
+            log_time, sequence = self._place(arrival, message)
+        except ValueError:
+            self.rejected += 1
+            return
+        self._got[arrival.topic] = self._got.get(arrival.topic, 0) + 1
+        if arrival.topic == "measurement":
+            self.stamp = max(self.stamp, message.stamp)
+        if arrival.topic == "status":
+            self._note_status(message)
+        if self._live:
+            self._writer.write(arrival.topic, log_time, sequence, arrival.payload)
+            return
+        for ready_topic, ready_time, ready_sequence, payload in self._ordered(arrival, log_time, sequence):
+            self._writer.write(ready_topic, ready_time, ready_sequence, payload)
+            self._writer.flush_by(ready_time)
+
+    def flush_by_time(self) -> None:
+        """In real time chunks close by the wall clock."""
+        if self._live:
+            self._writer.flush_by(time.monotonic_ns())
+
+    def losses(self) -> dict[str, int]:
+        """Messages announced and not received, per topic."""
+        lost = {}
+        for counts in self.announced.values():
+            for topic, sent in counts.items():
+                if (missing := sent - self._got.get(topic, 0)) > 0:
+                    lost[topic] = missing
+        return lost
+
+    def close(self) -> None:
+        """Write what waits, the summary and the index."""
+        for topic, log_time, sequence, payload in self._order.rest():
+            self._writer.write(topic, log_time, sequence, payload)
+        self._writer.flush()
+        summary = summarise(read(self.path), self.scenario, self.losses())
+        self._writer.metadata("summary", summary | {"rejected": self.rejected})
+        self._writer.close()
+
+    def _ordered(self, arrival: Arrival, log_time: int, sequence: int):
+        return self._order.add(arrival.topic, log_time, sequence, arrival.payload)
+
+    def _place(self, arrival: Arrival, message: Any) -> tuple[int, int]:
+        """Log time and sequence; a command's come from itself, so that any controller's can be recorded."""
+        if arrival.topic == "command":
+            if message.run_id != self.run_id or not 0 <= message.sample_stamp <= self.stamp:
+                raise ValueError("not a command of this run")
+            return message.sample_stamp, message.sequence
+        if arrival.stamp is None or arrival.stamp[0] < 0:
+            raise ValueError("no stamp")
+        return arrival.stamp
+
+    def _note_status(self, status: Any) -> None:
+        counts = {
+            name.removeprefix("published/"): round(value)
+            for name, value in zip(status.names, status.values, strict=True)
+            if name.startswith("published/")
+        }
+        if counts:
+            self.announced[status.role] = counts
+        if status.role == "plant" and status.phase not in ("running", "safe", "waiting"):
+            self.ended_at = time.monotonic()
+
+
+def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool) -> Path:
+    """Record a rig until its plant ends; returns the last file. Raises Failure or LinkError with one line."""
+    stop = Stop()
+    with Bus(link, rig_name, "recorder", blocking=blocking) as bus:
+        return RecorderProcess(bus, path, stop).run()

@@ -1,0 +1,1 @@
+"""MCAP files: writing in a stable order, reading back, digests."""

@@ -1,0 +1,102 @@
+"""Read a recording back: messages, columns, metadata; files that were cut off too."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.records import Channel, Message, Metadata
+from mcap.stream_reader import StreamReader
+from numpy.typing import NDArray
+
+from bridge.messages import STORE, TOPICS, field_names, struct_format
+from bridge.scenario import Scenario, ScenarioError, check
+
+
+class Entry(NamedTuple):
+    """One recorded message."""
+
+    topic: str  # below the rig's name
+    log_time: int
+    sequence: int
+    data: bytes
+
+
+class Recording(NamedTuple):
+    """What a file holds, in file order."""
+
+    path: Path
+    entries: list[Entry]
+    metadata: dict[str, dict[str, Any]]
+    complete: bool  # False: the file was cut off; what came before is here
+
+    def of(self, topic: str) -> Iterator[Entry]:
+        """The messages of one topic."""
+        return (entry for entry in self.entries if entry.topic == topic)
+
+    def messages(self, topic: str) -> list[Any]:
+        """The decoded messages of one topic."""
+        kind = TOPICS[topic].type
+        return [STORE.deserialize_cdr(entry.data, kind) for entry in self.of(topic)]
+
+    def columns(self, topic: str) -> dict[str, NDArray[Any]]:
+        """A flat topic as one array per field."""
+        kind = TOPICS[topic].type
+        layout = struct_format(kind)
+        if layout is None:
+            raise ValueError(f"{topic} has strings or lists and no columns")
+        codes = {"Q": "<u8", "q": "<i8", "d": "<f8"}
+        fields = [(n, codes[c]) for n, c in zip(field_names(kind), layout[3:], strict=True)]
+        rows = np.frombuffer(b"".join(entry.data[4:] for entry in self.of(topic)), dtype=fields)
+        return {name: rows[name] for name, _ in fields}
+
+    def scenario(self) -> Scenario:
+        """The scenario of the run. Raises ScenarioError when the file carries none."""
+        if "run" not in self.metadata:
+            raise ScenarioError(f"{self.path}: the recording carries no scenario")
+        return check(self.metadata["run"]["scenario"], str(self.path))
+
+
+def read(path: Path) -> Recording:
+    """Read a whole file. Raises ScenarioError when there is none or it is no MCAP."""
+    entries: list[Entry] = []
+    metadata: dict[str, dict[str, Any]] = {}
+    channels: dict[int, str] = {}
+    complete = True
+    try:
+        with path.open("rb") as file:
+            if file.read(8) != b"\x89MCAP0\r\n":
+                raise ScenarioError(f"{path}: not an MCAP file")
+            file.seek(0)
+            for record in _records(file):
+                if isinstance(record, Channel):
+                    channels[record.id] = _below_rig(record.topic)
+                elif isinstance(record, Message):
+                    topic = channels[record.channel_id]
+                    entries.append(Entry(topic, record.log_time, record.sequence, record.data))
+                elif isinstance(record, Metadata):
+                    metadata[record.name] = {key: _value(text) for key, text in record.metadata.items()}
+    except OSError as error:
+        raise ScenarioError(f"{path}: {error.strerror}") from None
+    except (McapError, ValueError):
+        complete = False
+    return Recording(path, entries, metadata, complete)
+
+
+def _records(file: Any) -> Iterator[Any]:
+    return iter(StreamReader(ReadDataStream(file)).records)
+
+
+def _below_rig(topic: str) -> str:
+    """The topic's name without the rig's, which may have slashes itself."""
+    return next((name for name in sorted(TOPICS, key=len, reverse=True) if topic.endswith(f"/{name}")), topic)
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError:
+        return text

@@ -1,0 +1,71 @@
+"""Run a scenario in any mode and gather what came of it."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.inprocess import record_in_process
+from bridge.progress import Progress
+from bridge.recording.reader import read
+from bridge.scenario import Scenario
+from bridge.summary import summarise, verdict
+
+
+class RunRequest(NamedTuple):
+    """How to run."""
+
+    mode: str  # inprocess, lockstep, realtime
+    speed: float
+    fifo: bool
+    recording: Path
+    patience: float
+    external: bool
+    listen: str | None
+
+
+class Outcome(NamedTuple):
+    """What a run left behind."""
+
+    scenario: Scenario
+    summary: dict[str, Any]
+    faults: list[str]  # empty for a good run
+    recording: Path | None  # None when none was written
+    picture: Path | None
+
+
+def run_scenario(scenario: Scenario, request: RunRequest) -> Outcome:
+    """Run, summarise, draw. A failed run has faults, and its recording as far as it goes."""
+    faults = _run(scenario, request)
+    if not request.recording.is_file():
+        return Outcome(scenario, {"scenario": scenario.name, "faults": faults}, faults, None, None)
+    recording = read(request.recording)
+    summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
+    faults = [*faults, *verdict(summary, scenario)]
+    summary = summary | {"mode": request.mode, "speed": request.speed, "recording": str(request.recording)}
+    return Outcome(scenario, summary | {"faults": faults}, faults, request.recording, _picture(scenario, recording))
+
+
+def _run(scenario: Scenario, request: RunRequest) -> list[str]:
+    with Progress(scenario) as progress:
+        if request.mode == "inprocess":
+            record_in_process(scenario, request.recording, progress.tick)
+            return []
+        from bridge.supervisor import RunOptions, Supervisor
+
+        options = RunOptions(
+            request.mode,
+            request.speed,
+            request.fifo,
+            request.recording,
+            request.patience,
+            request.external,
+            request.listen,
+        )
+        return Supervisor(scenario, options, progress.show).run().faults
+
+
+def _picture(scenario: Scenario, recording: Any) -> Path | None:
+    from bridge.picture import draw
+
+    if sum(1 for _ in recording.of("state")) < 2:
+        return None
+    return draw(recording, scenario, recording.path.with_suffix(".png"))

@@ -1,0 +1,116 @@
+"""Which commands a plant takes, and what it does when they stop coming.
+
+Nothing here knows clocks or networks: times are simulated nanoseconds that the plant hands in.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from controller.sampling import NS, Sampling
+
+FURTHEST = 10 * NS  # an `apply_at` further ahead than this is refused
+
+
+class Refusal(NamedTuple):
+    """Why a command was not taken: the reason's name, to be counted, and a sentence for people."""
+
+    reason: str
+    text: str
+
+
+class Gate:
+    """Lets through the commands of one owner, in order; everything else is refused and counted."""
+
+    def __init__(self, run_id: int, grid: Sampling) -> None:
+        self.run_id = run_id
+        self.grid = grid
+        self.owner: int | None = None
+        self.refused: dict[str, int] = {}
+        self.accepted = 0
+        self.last_sequence = -1
+        self.last_sample = -1
+        self.last_apply = -1
+
+    def refuse(self, reason: str, text: str) -> Refusal:
+        """Count a refusal."""
+        self.refused[reason] = self.refused.get(reason, 0) + 1
+        return Refusal(reason, text)
+
+    def check(self, command: Any, now: int) -> Refusal | None:
+        """None when the command is taken; `now` is the simulated time reached [ns]."""
+        for test in (self._run, self._value, self._owner, self._order, self._time):
+            if (refusal := test(command, now)) is not None:
+                return self.refuse(*refusal)
+        self.owner = command.source
+        self.last_sequence, self.last_sample = command.sequence, command.sample_stamp
+        self.last_apply = command.apply_at
+        self.accepted += 1
+        return None
+
+    def release(self) -> None:
+        """Let anybody own the plant: its owner has been silent for too long."""
+        self.owner, self.last_sequence = None, -1
+
+    def _run(self, command: Any, now: int) -> tuple[str, str] | None:
+        if command.run_id != self.run_id:
+            return "foreign run", f"command for run {command.run_id}, this is run {self.run_id}"
+        return None
+
+    def _value(self, command: Any, now: int) -> tuple[str, str] | None:
+        if not math.isfinite(command.spool):
+            return "not finite", f"spool reference {command.spool} is no finite number"
+        if abs(command.spool) > 1.0:
+            return "out of range", f"spool reference {command.spool:g} is outside -1 to 1"
+        return None
+
+    def _owner(self, command: Any, now: int) -> tuple[str, str] | None:
+        if self.owner is not None and command.source != self.owner:
+            return "second controller", f"controller {command.source} came second: {self.owner} owns this plant"
+        return None
+
+    def _order(self, command: Any, now: int) -> tuple[str, str] | None:
+        if command.sequence <= self.last_sequence:
+            return "out of order", f"command {command.sequence} after {self.last_sequence}"
+        if command.apply_at < self.last_apply:
+            return "stale", f"command for {command.apply_at} ns is older than the one for {self.last_apply} ns"
+        return None
+
+    def _time(self, command: Any, now: int) -> tuple[str, str] | None:
+        if command.sample_stamp > now or command.apply_at < command.sample_stamp:
+            return "impossible time", (
+                f"sample at {command.sample_stamp} ns, to act at {command.apply_at} ns, now is {now} ns"
+            )
+        if command.apply_at - now > FURTHEST:
+            return "far future", f"to act at {command.apply_at} ns, more than 10 s ahead of {now} ns"
+        if command.apply_at % self.grid.step:
+            return "off the grid", f"to act at {command.apply_at} ns, no whole number of {self.grid.step} ns"
+        return None
+
+
+class Watchdog:
+    """Safe state after `timeout` [ns of simulated time] without the command that was due."""
+
+    def __init__(self, timeout: int, grid: Sampling, latching: bool) -> None:
+        self.timeout = timeout
+        self.grid = grid
+        self.latching = latching
+        self.safe = False
+        self.trips = 0
+
+    def trip_at(self, last_apply: int) -> int:
+        """When patience ends [ns, whole steps]: the next command was due one sample period after the last."""
+        at = last_apply + self.grid.sample + self.timeout
+        return -(-at // self.grid.step) * self.grid.step
+
+    def trip(self) -> None:
+        """Enter the safe state."""
+        self.safe = True
+        self.trips += 1
+
+    def blocks(self) -> bool:
+        """Does the latch keep commands out?"""
+        return self.safe and self.latching
+
+    def clear(self) -> None:
+        """Leave the safe state: by reset, or because commands have resumed."""
+        self.safe = False

@@ -1,0 +1,202 @@
+"""`hydrotwin run`: start plant, controller and recorder, watch over them, leave nothing running."""
+
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.bus import Bus
+from bridge.clock import Stop
+from bridge.identity import derived
+from bridge.link import Link, LinkError, free_endpoint
+from bridge.messages import decode
+from bridge.scenario import Scenario
+
+SILENCE = 5.0  # seconds without a word from the plant after which it counts as gone
+FAREWELL = 12.0  # seconds that processes get to finish once they should
+STARTUP = 90.0  # seconds to the first word: the first start compiles
+
+
+class RunOptions(NamedTuple):
+    """How a scenario is run in processes."""
+
+    mode: str  # lockstep, realtime
+    speed: float
+    fifo: bool
+    recording: Path
+    patience: float  # seconds, in lockstep for each command
+    external: bool  # the controller is somebody else's: wait for it, do not start ours
+    listen: str | None  # the plant's endpoint; None: a free one on loopback
+
+
+class Ending(NamedTuple):
+    """What went wrong, in words; empty for a run in which every process did what it should."""
+
+    faults: list[str]
+
+
+class Child:
+    """A process of ours, with its words kept."""
+
+    def __init__(self, role: str, arguments: list[str], folder: Path) -> None:
+        self.role = role
+        self.words = folder / f"{role}.log"
+        with self.words.open("wb") as log:
+            command = [sys.executable, "-m", "bridge", role, *arguments, "--supervised"]
+            self.process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
+            )
+
+    def ended(self) -> bool:
+        """Is it gone?"""
+        return self.process.poll() is not None
+
+    def fault(self) -> str | None:
+        """What it says of its failure; None when it has not failed."""
+        code = self.process.poll()
+        if not code:
+            return None
+        words = self.words.read_text(errors="replace").strip().splitlines()
+        how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        return f"the {self.role} (pid {self.process.pid}) ended with {how}" + (f": {words[-1]}" if words else "")
+
+    def end(self) -> None:
+        """Make sure that it is gone."""
+        if not self.ended():
+            self.process.send_signal(signal.SIGCONT)
+            self.process.kill()
+        self.process.wait()
+
+
+class Supervisor:
+    """One supervised run."""
+
+    def __init__(self, scenario: Scenario, options: RunOptions, show: Callable[[dict[str, Any]], None]) -> None:
+        self.scenario = scenario
+        self.options = options
+        self.show = show
+        self.stop = Stop()
+        self.faults: list[str] = []
+        self.children: list[Child] = []
+        self._heard = time.monotonic()
+        self._started = False
+        self._plant_over: float | None = None
+        self._asked_to_stop: float | None = None
+
+    def run(self) -> Ending:
+        """Run to the end, whatever happens; every process of ours is gone afterwards."""
+        endpoint = self.options.listen or free_endpoint()
+        with tempfile.TemporaryDirectory(prefix="hydrotwin-") as folder:
+            try:
+                self._start(Path(folder), endpoint)
+                self._watch(endpoint)
+            finally:
+                for child in self.children:
+                    child.end()
+            self._collect_faults()
+        return Ending(self.faults)
+
+    def _start(self, folder: Path, endpoint: str) -> None:
+        options, file = self.options, folder / "scenario.json"
+        file.write_text(self.scenario.model_dump_json())
+        common = ["--mode", options.mode]
+        seed = self.scenario.seed
+        plant = [str(file), *common, "--listen", endpoint, "--speed", str(options.speed)]
+        plant += ["--run-id", str(derived(seed, self.scenario.rig_name)), "--patience", str(options.patience)]
+        plant += ["--await", "recorder", "--await", "controller"]
+        fifo = ["--fifo"] if options.fifo else []
+        client = [*common, "--connect", endpoint]
+        self.children.append(Child("plant", plant + fifo, folder))
+        record = ["--output", str(options.recording), "--rig", self.scenario.rig_name]
+        self.children.append(Child("record", [*record, *client], folder))
+        if not options.external:
+            source = ["--source", str(derived(seed, "controller"))]
+            self.children.append(Child("controller", [str(file), *client, *source, *fifo], folder))
+
+    def _watch(self, endpoint: str) -> None:
+        bus = self._listen(endpoint)
+        try:
+            while not self._over():
+                time.sleep(0.05)
+        finally:
+            if bus is not None:
+                bus.__exit__()
+
+    def _listen(self, endpoint: str) -> Bus | None:
+        """Our own ear for what the processes say of themselves."""
+        deadline = time.monotonic() + STARTUP
+        while time.monotonic() < deadline and not self.stop():
+            try:
+                bus = Bus(Link(None, endpoint, None, 1.0), self.scenario.rig_name, "supervisor", blocking=False)
+            except LinkError:
+                if any(child.fault() for child in self.children):
+                    return None
+                continue
+            bus.subscribe("status", self._on_status)
+            self._heard = time.monotonic()
+            return bus
+        return None
+
+    def _on_status(self, payload: bytes, kind: str, stamp: tuple[int, int] | None) -> None:
+        status = decode(payload, "status")
+        if status.role != "plant":
+            return
+        self._heard, self._started = time.monotonic(), True
+        values = dict(zip(status.names, (float(value) for value in status.values), strict=True))
+        if status.phase not in ("running", "safe", "waiting"):
+            self._plant_over = self._plant_over or time.monotonic()
+        self.show(values | {"phase": status.phase})
+
+    def _over(self) -> bool:
+        now = time.monotonic()
+        if all(child.ended() for child in self.children):
+            return True
+        if self._failed() and self._plant_over is None:
+            return True
+        if self.stop() and self._asked_to_stop is None:
+            return self._ask_to_stop(now)
+        if self._asked_to_stop is not None and now - self._asked_to_stop > FAREWELL:
+            return True
+        if self._plant_over is not None:
+            return self._too_slow(now)
+        return self._silent(now)
+
+    def _failed(self) -> bool:
+        """Has a process died that the run cannot do without? The plant's own failure lets the others finish."""
+        return any(child.fault() for child in self.children)
+
+    def _ask_to_stop(self, now: float) -> bool:
+        self._asked_to_stop = now
+        plant = self.children[0]
+        if not self._started or plant.ended():
+            return not self._started
+        plant.process.send_signal(signal.SIGINT)
+        return False
+
+    def _too_slow(self, now: float) -> bool:
+        if now - (self._plant_over or now) < FAREWELL:
+            return False
+        late = [child for child in self.children if not child.ended()]
+        self.faults += [f"the {child.role} (pid {child.process.pid}) did not finish: silent" for child in late]
+        return True
+
+    def _silent(self, now: float) -> bool:
+        patience = SILENCE + self.options.patience if self._started else STARTUP
+        if now - self._heard < patience:
+            return False
+        plant = self.children[0]
+        what = "has said nothing" if self._started else "has not started"
+        self.faults.append(f"the plant (pid {plant.process.pid}) {what} for {patience:g} s")
+        return True
+
+    def _collect_faults(self) -> None:
+        named = " ".join(self.faults)
+        for child in self.children:
+            fault = child.fault()
+            if fault and child.role not in named and not fault.endswith("SIGKILL"):
+                self.faults.append(fault)
+
