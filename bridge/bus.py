@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
+import numpy as np
 import zenoh
 
 from bridge.link import Link, open_session
@@ -51,8 +52,6 @@ class Bus:
     ) -> None:
         """Say how this process is doing."""
         names, numbers = list(values), [float(value) for value in values.values()]
-        import numpy as np
-
         status = Status(
             run_id, self._status, stamp, role or self.role, phase, os.getpid(), names, np.array(numbers), text
         )
@@ -78,11 +77,14 @@ class Bus:
         handler = zenoh.handlers.Callback(lambda query: query.reply(key, reply()), indirect=True)
         self._declared.append(self.session.declare_queryable(key, handler))
 
-    def ask(self, name: str, patience: float = 5.0) -> bytes | None:
-        """The first answer to a query, None when nobody gives one."""
-        for reply in self.session.get(f"{self.rig_name}/{name}", timeout=patience):
-            if reply.ok is not None:
-                return reply.ok.payload.to_bytes()
+    def ask(self, name: str, patience: float, stopped: Callable[[], bool] = lambda: False) -> bytes | None:
+        """The first answer to a query, None when nobody gives one in `patience` seconds."""
+        deadline = time.monotonic() + patience
+        while time.monotonic() < deadline and not stopped():
+            for reply in self.session.get(f"{self.rig_name}/{name}", timeout=1.0):
+                if reply.ok is not None:
+                    return reply.ok.payload.to_bytes()
+            time.sleep(0.02)
         return None
 
     def announce(self) -> None:

@@ -1,10 +1,10 @@
 """The controller as a process: measurements off the bus, through the law, commands on the bus."""
 
-import queue
 import time
+from collections.abc import Callable
 from typing import Any
 
-from bridge.bus import Bus
+from bridge.bus import Bus, Receiver
 from bridge.clock import Stop, prepare
 from bridge.controller_side import ControllerSide
 from bridge.link import Link
@@ -16,55 +16,62 @@ FAREWELL = 2.0  # seconds after the plant's end in which its last measurements m
 
 
 class ControllerProcess:
-    """One controller of one rig, for as long as its plant runs."""
+    """One controller of one rig, for as long as its plant runs.
+
+    Commands are computed in Zenoh's own thread, as measurements come in: waking another one first would cost as much
+    as all the rest.
+    """
 
     def __init__(self, bus: Bus, side: ControllerSide, stop: Stop) -> None:
         self.bus = bus
         self.side = side
         self.stop = stop
-        self._inbox: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
-        self._run_id = 0
-        self._stamp = 0
-        self._tick = -1
+        self._tick, self._stamp, self._run_id = -1, 0, 0
         self._last_tick: int | None = None  # of the plant, once it has said so
         self._deadline = float("inf")
-        for topic in ("measurement", "event", "status"):
-            bus.subscribe(topic, lambda payload, kind, stamp, topic=topic: self._inbox.put((topic, payload)))
+        self._fault: Exception | None = None
+        for topic, heed in (("measurement", self._answer), ("event", self._heed), ("status", self._follow)):
+            bus.subscribe(topic, self._guarded(topic, heed))
         bus.watch()
         bus.announce()
 
     def run(self) -> None:
-        """Answer until the plant has ended or is gone. Raises Failure when the plant refuses this controller."""
+        """Answer until the plant has ended or is gone. Raises what the law raised, or Failure when refused."""
         while not self.stop() and not self._finished():
-            try:
-                topic, payload = self._inbox.get(timeout=0.1)
-            except queue.Empty:
-                continue
-            self._handle(topic, payload)
+            time.sleep(0.02)
+            if self._fault is not None:
+                raise self._fault
         counts = {f"published/{topic}": float(count) for topic, count in self.side.published.items()}
-        self.bus.publish_status(self._run_id, self._stamp, "ended", counts | {"source": 0.0})
+        self.bus.publish_status(self._run_id, self._stamp, "ended", counts)
 
-    def _handle(self, topic: str, payload: bytes) -> None:
-        try:
-            message = decode(payload, topic)
-        except ValueError:
-            return  # somebody else's noise on our keys; the plant counts what concerns it
-        if topic == "measurement":
-            self._answer(message)
-        elif topic == "event":
-            self._heed(message)
-        elif message.role == "plant" and message.phase not in ("running", "safe", "waiting"):
-            self._last_tick = round(dict(zip(message.names, message.values, strict=True))["tick"])
-            self._deadline = time.monotonic() + FAREWELL
+    def _guarded(self, topic: str, heed: Callable[[Any], None]) -> Receiver:
+        """Decode and heed; what goes wrong in Zenoh's thread is raised in ours."""
+
+        def receive(payload: bytes, kind: str, stamp: tuple[int, int] | None) -> None:
+            try:
+                message = decode(payload, topic)
+            except ValueError:
+                return  # somebody else's noise on our keys; the plant counts what concerns it
+            try:
+                heed(message)
+            except Exception as error:  # noqa: BLE001
+                self._fault = self._fault or error
+
+        return receive
 
     def _answer(self, measurement: Any) -> None:
-        self._run_id, self._stamp, self._tick = measurement.run_id, measurement.stamp, measurement.tick
         for message in self.side.answer(measurement):
             self.bus.publish(message)
+        self._run_id, self._stamp, self._tick = measurement.run_id, measurement.stamp, measurement.tick
 
     def _heed(self, event: Any) -> None:
         if event.kind == "refused" and event.source == self.side.source and event.text.startswith("second controller"):
-            raise Failure(f"the plant refuses this controller: {event.text}")
+            self._fault = Failure(f"the plant refuses this controller: {event.text}")
+
+    def _follow(self, status: Any) -> None:
+        if status.role == "plant" and status.phase not in ("running", "safe", "waiting"):
+            self._last_tick = round(dict(zip(status.names, status.values, strict=True))["tick"])
+            self._deadline = time.monotonic() + FAREWELL
 
     def _finished(self) -> bool:
         if self._last_tick is not None:

@@ -50,6 +50,8 @@ def _configuration(link: Link) -> Any:
         raise LinkError(f"{link.config}: {error}") from None
     config.insert_json5("scouting/multicast/enabled", "false")
     config.insert_json5("transport/link/tx/lease", str(LEASE_MS))
+    for priority in ("real_time", "data"):  # a burst after an overrun must fit; the default of 2 batches drops it
+        config.insert_json5(f"transport/link/tx/queue/size/{priority}", "16")
     if link.listen:
         config.insert_json5("mode", '"peer"')
         config.insert_json5("listen/endpoints", f'["{link.listen}"]')

@@ -3,6 +3,7 @@
 import json
 import queue
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +17,10 @@ from bridge.recording.reader import read
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario, check
 from bridge.summary import summarise
+from controller.sampling import NS
 
+AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
+DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
 PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
 
 
@@ -31,8 +35,9 @@ class Arrival(NamedTuple):
 class RecorderProcess:
     """Records one run after the other; a new run id starts a new file."""
 
-    def __init__(self, bus: Bus, path: Path, stop: Stop) -> None:
+    def __init__(self, bus: Bus, path: Path, patience: float, stop: Stop) -> None:
         self.bus = bus
+        self.patience = patience
         self.path = path
         self.stop = stop
         self._inbox: queue.SimpleQueue[Arrival] = queue.SimpleQueue()
@@ -42,29 +47,31 @@ class RecorderProcess:
 
     def run(self) -> Path:
         """Record until the plant has ended or is gone. Raises Failure when no plant answers."""
-        manifest = self.bus.ask("scenario")
+        manifest = self.bus.ask("scenario", self.patience, self.stop)
         if manifest is None:
             raise Failure(f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig")
         file = OpenFile(self.path, json.loads(manifest))
         self.bus.announce()
         while not self.stop() and not self._over(file):
+            time.sleep(DRAIN_PERIOD)
+            for arrival in self._arrived():
+                if file.belongs_to_next_run(arrival):
+                    file.close()
+                    file = self._next_file(file)
+                file.take(arrival)
             file.flush_by_time()
-            try:
-                arrival = self._inbox.get(timeout=0.05)
-            except queue.Empty:
-                continue
-            if file.belongs_to_next_run(arrival):
-                file.close()
-                file = self._next_file(file)
-            file.take(arrival)
         file.close()
         self.bus.publish_status(file.run_id, file.stamp, "ended", {"lost": float(sum(file.losses().values()))})
         return file.path
 
     def _next_file(self, file: "OpenFile") -> "OpenFile":
-        manifest = self.bus.ask("scenario")
+        manifest = self.bus.ask("scenario", self.patience)
         path = self.path.with_stem(f"{self.path.stem}-{time.strftime('%H%M%S')}-{file.number + 1}")
         return OpenFile(path, json.loads(manifest or b"{}"), file.number + 1)
+
+    def _arrived(self) -> Iterator[Arrival]:
+        while not self._inbox.empty():
+            yield self._inbox.get()
 
     def _take(self, topic: str, payload: bytes, stamp: tuple[int, int] | None) -> None:
         self._inbox.put(Arrival(topic, payload, stamp))
@@ -73,7 +80,7 @@ class RecorderProcess:
         if file.ended_at is None:
             gone = file.stamp > 0 and not self.bus.present.get("plant", {"?"})
             return gone and self._inbox.empty()
-        expected = {"plant"} | ({"controller"} if self.bus.present.get("controller") else set())
+        expected = {"plant"} | ({"controller"} & set(self.bus.present))
         settled = expected <= set(file.announced) and not sum(file.losses().values())
         return settled or time.monotonic() - file.ended_at > PATIENCE
 
@@ -155,7 +162,7 @@ class OpenFile:
     def _place(self, arrival: Arrival, message: Any) -> tuple[int, int]:
         """Log time and sequence; a command's come from itself, so that any controller's can be recorded."""
         if arrival.topic == "command":
-            if message.run_id != self.run_id or not 0 <= message.sample_stamp <= self.stamp:
+            if message.run_id != self.run_id or not 0 <= message.sample_stamp <= self.stamp + AHEAD:
                 raise ValueError("not a command of this run")
             return message.sample_stamp, message.sequence
         if arrival.stamp is None or arrival.stamp[0] < 0:
@@ -178,4 +185,4 @@ def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool) -> Path:
     """Record a rig until its plant ends; returns the last file. Raises Failure or LinkError with one line."""
     stop = Stop()
     with Bus(link, rig_name, "recorder", blocking=blocking) as bus:
-        return RecorderProcess(bus, path, stop).run()
+        return RecorderProcess(bus, path, link.patience, stop).run()

@@ -1,17 +1,24 @@
 """What no run may change: the oil there is, the vapour pressure, and the energy that nothing feeds."""
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from plant import BAR, FRICTIONLESS, TIGHT, circuit, energy, run, states
 
-from twin.circuit import Circuit, Flows, Piston, State, chamber_cavities, nodes, pressures, stored_oil
-from twin.cylinder import chamber_volumes
+from twin.circuit import (
+    Circuit,
+    Flows,
+    Ledger,
+    Piston,
+    Pressures,
+    Spool,
+    State,
+    chamber_cavities,
+    pressures,
+    stored_oil,
+)
 from twin.equilibrium import equilibrium, fill
-from twin.exchange import exchange
 
 COMMANDS = st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(0.005, 0.1)), min_size=3, max_size=12)
 PUMP_OFF = {"speed": 0.0, "efficiency": 1.0}
@@ -30,8 +37,8 @@ def test_oil_is_accounted_for_from_rest_to_rest(mass: float):
     s = start = equilibrium(c, 0.02)
     vapour = 0.0
     for reference in (1.0, 0.0, -1.0, 0.0):
-        for s in states(s, reference, c, 0.5, every=50):
-            vapour = max(vapour, *chamber_cavities(s, c))
+        *seen, s = states(s, reference, c, 0.5, every=50)
+        vapour = max(vapour, *(cavity for each in seen for cavity in chamber_cavities(each, c)))
     assert vapour > 1e-7 or mass < 200.0
     assert s.ledger.pumped > 5e-4
     assert abs(oil_error(start, s)) < 1e-12
@@ -44,10 +51,11 @@ def test_violent_runs_stay_physical(commands: list[tuple[float, float]], mass: f
     c = circuit(load={"mass": mass})
     s = start = equilibrium(c, position)
     for reference, seconds in commands:
-        for s in states(s, reference, c, seconds, every=10):
-            assert all(-1 * BAR <= p < 400 * BAR for p in pressures(s, c))
-            assert min(s.oil) > 0.0
-            assert 0.0 <= s.piston.position <= c.cylinder.stroke
+        for each in states(s, reference, c, seconds, every=10):
+            assert all(-1 * BAR <= p < 400 * BAR for p in pressures(each, c))
+            assert min(each.oil) > 0.0
+            assert 0.0 <= each.piston.position <= c.cylinder.stroke
+        s = run(s, reference, c, seconds)
     assert abs(oil_error(start, s)) < 1e-12
 
 
@@ -81,23 +89,34 @@ def test_a_closed_circuit_rings_without_gain_or_loss():
 
 
 @given(
-    st.floats(30.0, 400.0), st.floats(0.0, 0.27), st.floats(-0.3, 0.3), st.floats(0.0, 0.25), st.floats(1e9, 1e13),
-    st.lists(st.floats(0.0, 150.0), min_size=9, max_size=9), st.lists(st.floats(-1e-4, 1e-4), min_size=6, max_size=6),
-)  # fmt: skip
-@settings(max_examples=60)
-def test_energy_is_never_created(mass, position, push, limit, leak, bars, flows):
-    """Pump off, valve shut or open, any start: the sum of kinetic, compression and height never grows by more than
-    2 % of what is in motion, (omega h)^2/4 and p/2B, below the highest value so far."""
-    c = circuit(
-        seal={"limit": limit}, pump=PUMP_OFF, cylinder={"leakage_resistance": leak}, load={"mass": max(mass, 60.0)}
-    )
+    mass=st.floats(60.0, 400.0),
+    position=st.floats(0.01, 0.26),
+    push=st.floats(-0.3, 0.3),
+    limit=st.sampled_from([0.0, 0.1, 0.25]),
+    leak=st.floats(9.0, 13.0),
+    bars=st.lists(st.floats(0.0, 150.0), min_size=9, max_size=9),
+    flows=st.lists(st.floats(-1e-4, 1e-4), min_size=6, max_size=6),
+    reference=st.sampled_from([0.0, 0.6, -0.6]),
+)
+@settings(max_examples=40)
+def test_energy_is_never_created(mass, position, push, limit, leak, bars, flows, reference):
+    """Pump off, any start: kinetic energy, compression and height together never rise above their lowest value so far
+    by more than 0.1 % of what was in motion: (omega h)^2/4 of the load on its oil springs is 0.004 %, p/2B 0.3 %."""
+    c = circuit(seal={"limit": limit}, pump=PUMP_OFF, cylinder={"leakage_resistance": 10.0**leak}, load={"mass": mass})
     c = c._replace(oil=c.oil._replace(vapour_pressure=-1e12))
-    position = min(max(position, 0.01), 0.26)
-    rest = equilibrium(c, position)
-    p = pressures(rest, c)._make(bar * BAR for bar in bars)
-    s = rest._replace(oil=fill(p, position, c), flows=Flows(*flows), piston=Piston(position, push))
-    for reference in (0.0, 0.6, -0.6):
-        before = energy(s, c)
-        for s in states(s, reference, c, 0.1, every=20):
-            pass
-        del before
+    p = Pressures(*(bar * BAR for bar in bars))
+    piston, spool = Piston(position, push), Spool(reference, 0.0)
+    start = State(fill(p, position, c), Flows(*flows), piston, spool, Ledger(0.0, 0.0, 0.0))
+    lowest = energy(start, c)
+    allowed = 1e-3 * (lowest - mass * 9.81 * position) + 1e-6
+    for s in states(start, reference, c, 0.15, every=10):
+        now = energy(s, c)
+        assert now <= lowest + allowed
+        lowest = min(now, lowest)
+
+
+def test_rest_is_left_where_it_is():
+    """A second at rest moves no oil but rounding."""
+    c = closed()
+    start = equilibrium(c, 0.135)
+    assert max(abs(a - b) for a, b in zip(run(start, 0.0, c, 1.0).oil, start.oil, strict=True)) < 1e-15

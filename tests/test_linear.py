@@ -61,6 +61,14 @@ def test_a_run_reaches_the_moving_point():
     assert pressures(end, c).lower == pytest.approx(pressures(point, c).lower, rel=2e-3)
 
 
+def test_a_moving_point_needs_no_edge_point():
+    """303 kg sink faster than the pump fills at any small opening; a viscous drag holds them back."""
+    c = circuit(load={"mass": 303.0})
+    with pytest.raises(ValueError, match="cavitate|does not follow"):
+        moving_point(c, 0.1, -0.2)
+    assert pressures(moving_point(c, 0.1, -0.2, 1e4), c).upper > 0.0
+
+
 def test_round_trip_of_state_and_vector():
     point = moving_point(C, 0.1, 0.3)
     np.testing.assert_allclose(to_vector(from_vector(to_vector(point, C), C), C), to_vector(point, C), rtol=1e-9)
@@ -68,15 +76,14 @@ def test_round_trip_of_state_and_vector():
 
 @pytest.mark.parametrize(("edge", "sign"), [("+", 1.0), ("-", -1.0)])
 def test_edge_point_is_the_limit_of_slow_motion(edge: str, sign: float):
-    """From 1 to 0.1 % of the travel, tight piston: pressures tend to the closed form, at least as fast as the opening.
+    """0.1 % of opening, tight piston, lands without transition: the closed form, but for the compression of the oil.
 
-    Without the transition of the lands, which bends the ratio of the drops at openings below 1 %.
+    (p_l - p_u)/B = 0.25 % less flow comes out than its area says: 0.05 bar.
     """
     c = circuit(cylinder=TIGHT, valve={"transition": 0.0})
     p = np.array(pressures(edge_point(c, 0.1, edge), c))
-    far, near = (np.array(pressures(moving_point(c, 0.1, sign * (0.1 + s)), c)) for s in (1e-2, 1e-3))
-    assert np.abs(near - p).max() < 0.11 * np.abs(far - p).max()
-    assert np.abs(near - p).max() < 0.02 * BAR
+    near = np.array(pressures(moving_point(c, 0.1, sign * 0.101), c))
+    assert np.abs(near - p).max() < 0.06 * BAR
 
 
 def test_edge_point_upwards_by_hand():

@@ -16,7 +16,7 @@ from twin.lines.lumped import LumpedLine, resistance_slope
 from twin.orifice import flow_slopes
 from twin.pump import pumped_oil
 from twin.rates import rates
-from twin.relief import relief_slope
+from twin.relief import relief_flow, relief_slope
 from twin.spool_valve import opening
 
 if TYPE_CHECKING:
@@ -71,8 +71,16 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
     balance. Raises ValueError for another edge, and for a load under which the oil would not follow.
     """
     _check_edge(edge, ("+", "-"))
+    p = _edge_pressures(circuit, edge)
+    _refuse_cavity(p, circuit)
+    spool = Spool(math.copysign(circuit.valve.overlap, 1.0 if edge == "+" else -1.0), 0.0)
+    flows = Flows(relief_flow(p.tee, circuit.relief), 0.0, 0.0, 0.0, 0.0, 0.0)
+    return State(fill(p, position, circuit), flows, Piston(position, 0.0), spool, Ledger(0.0, 0.0, 0.0))
+
+
+def _edge_pressures(circuit: Circuit, edge: str) -> Pressures:
     c, load = circuit.cylinder, circuit.load
-    pump, tee, flow = supply_at_rest(circuit)
+    pump, tee, _ = supply_at_rest(circuit)
     weight = load.mass * load.gravity - load.force
     if edge == "+":
         k = (c.area_upper / c.area_lower) ** 2  # (p_u - 0)/(p_P - p_l)
@@ -82,12 +90,7 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
         k = (c.area_lower / c.area_upper) ** 2  # (p_l - 0)/(p_P - p_u)
         upper = (c.area_lower * k * tee - weight) / (c.area_lower * k + c.area_upper)
         lower = k * (tee - upper)
-    p = Pressures(pump, tee, tee, lower, lower, upper, upper, 0.0, 0.0)
-    _refuse_cavity(p, circuit)
-    overlap = circuit.valve.overlap
-    spool = Spool(overlap if edge == "+" else -overlap, 0.0)
-    flows = Flows(flow, 0.0, 0.0, 0.0, 0.0, 0.0)
-    return State(fill(p, position, circuit), flows, Piston(position, 0.0), spool, Ledger(0.0, 0.0, 0.0))
+    return Pressures(pump, tee, tee, lower, lower, upper, upper, 0.0, 0.0)
 
 
 def moving_point(circuit: Circuit, position: float, spool: float, viscous: float = 0.0) -> State:
@@ -99,8 +102,8 @@ def moving_point(circuit: Circuit, position: float, spool: float, viscous: float
 
     if abs(spool) <= circuit.valve.overlap:
         raise ValueError(f"spool {spool} lies inside the overlap, +-{circuit.valve.overlap}; take it further out")
-    full = to_vector(edge_point(circuit, position, "+" if spool > 0.0 else "-"), circuit)
-    full[V], full[S] = math.copysign(0.01, spool), spool
+    pressure_guess = _edge_pressures(circuit, "+" if spool > 0.0 else "-")
+    full = np.array([*pressure_guess, *[0.0] * 6, position, math.copysign(0.01, spool), spool, 0.0])
     column, row = _scales(circuit)
 
     def place(unknown: Array) -> Array:
@@ -139,8 +142,8 @@ def linearise(
     b = np.zeros((len(STATES), len(INPUTS)))
     b[S_RATE, 0], b[V, 1] = circuit.valve.natural_frequency**2, 1.0 / circuit.load.mass
     c = np.array([[float(state == tap) for state in STATES] for tap in TAPS.values()])
-    lands = f"spool {point.spool.position:g}" if edge is None else f"land edge {edge}, overlap removed"
-    note = f"{lands}, friction {f'{viscous:g} N s/m' if viscous else 'off'}"
+    valve = f"spool {point.spool.position:g}" if edge is None else f"land edge {edge}, overlap removed"
+    note = f"{valve}, friction {f'{viscous:g} N s/m' if viscous else 'off'}"
     labels = {"states": STATES, "inputs": INPUTS, "outputs": tuple(TAPS), "name": note.replace(".", "_")}
     system = control.StateSpace(a, b, c, np.zeros((len(TAPS), len(INPUTS))), **labels)
     system.note = note  # pyright: ignore[reportAttributeAccessIssue]
@@ -151,28 +154,36 @@ def jacobian(point: State, circuit: Circuit, edge: str | None, viscous: float = 
     """Slopes of `vector_rates` by the state, for a point whose pressures stand still; edge as in `linearise`."""
     y, c = to_vector(point, circuit), circuit
     a = np.zeros((len(STATES), len(STATES)))
+    a[:FLOW] = _inflow_slopes(point, c, edge) / _capacities(y, c)[:, None]
     for index, ((source, sink), line) in enumerate(zip(ENDS, _lines(c), strict=True)):
-        a[source, FLOW + index], a[FLOW + index, source] = -1.0, 1.0 / line.inertance
-        if sink is not None:
-            a[sink, FLOW + index], a[FLOW + index, sink] = 1.0, -1.0 / line.inertance
-        a[FLOW + index, FLOW + index] = -resistance_slope(y[FLOW + index], line) / line.inertance
-    a[PUMP, PUMP] = pumped_oil(y[PUMP], c.pump, c.oil.bulk_modulus)[1]
-    a[TEE, TEE] = -relief_slope(y[TEE], c.relief)
-    leak = Land(LOWER, UPPER, 1.0 / c.cylinder.leakage_resistance, 0.0)
-    for source, sink, by_drop, by_spool in (leak, *lands(point, c, edge)):
-        a[source, [source, sink, S]] += -by_drop, by_drop, -by_spool
-        a[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
-    a[:FLOW, V] = -_swept(y, c)
-    sweep = c.cylinder.area_lower / c.oil.bulk_modulus * y[V], c.cylinder.area_upper / c.oil.bulk_modulus * y[V]
-    a[LOWER, LOWER] -= sweep[0]
-    a[UPPER, UPPER] += sweep[1]
-    a[:FLOW] /= _capacities(y, c)[:, None]
-    a[X, V] = a[S, S_RATE] = 1.0
-    a[V, [LOWER, UPPER, V]] = c.cylinder.area_lower, -c.cylinder.area_upper, -viscous
-    a[V] /= c.load.mass
+        ends = [FLOW + index, source] if sink is None else [FLOW + index, source, sink]
+        a[FLOW + index, ends] = np.array([-resistance_slope(y[FLOW + index], line), 1.0, -1.0])[: len(ends)]
+        a[FLOW + index] /= line.inertance
+    force_slopes = np.array([c.cylinder.area_lower, -c.cylinder.area_upper, -viscous])
+    a[V, [LOWER, UPPER, V]] = force_slopes / c.load.mass
     omega = c.valve.natural_frequency
     a[S_RATE, [S, S_RATE]] = -(omega**2), -2.0 * c.valve.damping * omega
+    a[X, V] = a[S, S_RATE] = 1.0
     return a
+
+
+def _inflow_slopes(point: State, c: Circuit, edge: str | None) -> Array:
+    """Slopes of C p' = S' - V' (1 + p/B), a row per node."""
+    y, slopes = to_vector(point, c), np.zeros((FLOW, len(STATES)))
+    for index, (source, sink) in enumerate(ENDS):
+        slopes[source, FLOW + index] = -1.0
+        if sink is not None:
+            slopes[sink, FLOW + index] = 1.0
+    leak = Land(LOWER, UPPER, 1.0 / c.cylinder.leakage_resistance, 0.0)
+    for source, sink, by_drop, by_spool in (leak, *lands(point, c, edge)):
+        slopes[source, [source, sink, S]] += -by_drop, by_drop, -by_spool
+        slopes[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
+    slopes[PUMP, PUMP] += pumped_oil(y[PUMP], c.pump, c.oil.bulk_modulus)[1]
+    slopes[TEE, TEE] -= relief_slope(y[TEE], c.relief)
+    slopes[LOWER, LOWER] -= c.cylinder.area_lower / c.oil.bulk_modulus * y[V]
+    slopes[UPPER, UPPER] += c.cylinder.area_upper / c.oil.bulk_modulus * y[V]
+    slopes[:, V] = -_swept(y, c)
+    return slopes
 
 
 def lands(point: State, circuit: Circuit, edge: str | None) -> list[Land]:
