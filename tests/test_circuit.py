@@ -3,12 +3,12 @@
 import math
 
 import pytest
-from plant import BAR, FRICTIONLESS, TIGHT, circuit, run, states
 from scipy.optimize import root_scalar
 
+from tests.plant import BAR, FRICTIONLESS, TIGHT, circuit, run, states
 from twin.circuit import Circuit, Piston, State, chamber_cavities, pressures
 from twin.cylinder import chamber_volumes
-from twin.equilibrium import equilibrium
+from twin.equilibrium import equilibrium, fill
 from twin.linear import moving_point
 from twin.pump import pump_flow
 
@@ -111,6 +111,18 @@ def test_friction_ends_the_ringing_at_a_true_rest():
     stopped = run(rising(c), 0.0, c, 2.0)
     assert stopped.piston.velocity == 0.0
     assert run(stopped, 0.0, c, 5.0).piston == stopped.piston
+
+
+@pytest.mark.parametrize("share", [0.95, -0.95, 1.05, -1.05])
+def test_the_seal_holds_a_quarter_of_the_pressure_across_the_piston(share: float):
+    """0.25 |p_l - p_u| b pi (D + d), 10 bar above and p_l for a share of it: at rest below, off beyond."""
+    c = circuit(cylinder=TIGHT)
+    start, cylinder, p_upper = equilibrium(c, 0.135), c.cylinder, 10 * BAR
+    hold = share * 0.25 * 0.01 * math.pi * 0.082  # [m^2]
+    p_lower = (120.0 * 9.81 + (cylinder.area_upper - hold) * p_upper) / (cylinder.area_lower - hold)
+    p = pressures(start, c)._replace(a=p_lower, lower=p_lower, b=p_upper, upper=p_upper)
+    velocity = run(start._replace(oil=fill(p, 0.135, c)), 0.0, c, c.step).piston.velocity
+    assert velocity * share > 0.0 if abs(share) > 1.0 else velocity == 0.0
 
 
 def test_the_top_stop_holds_and_the_relief_valve_takes_the_pump():

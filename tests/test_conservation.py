@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plant import BAR, FRICTIONLESS, TIGHT, circuit, energy, run, states
 
+from tests.plant import BAR, FRICTIONLESS, TIGHT, circuit, energy, run, states
 from twin.circuit import (
     Circuit,
     Flows,

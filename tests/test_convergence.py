@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from plant import FRICTIONLESS, circuit
 from scipy.integrate import solve_ivp
 
+from tests.plant import FRICTIONLESS, circuit
 from twin.circuit import Circuit, Flows, Ledger, Piston, Spool, State, Stored, advance, pressures
 from twin.equilibrium import equilibrium
 from twin.linear import moving_point

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from plant import BAR, TIGHT, circuit
 
+from tests.plant import BAR, TIGHT, circuit
 from twin.circuit import pressures
 from twin.equilibrium import equilibrium, supply_at_rest
 from twin.pump import pumped_oil
@@ -27,6 +27,14 @@ def test_counter_pressure_of_the_upper_chamber_is_carried_too():
     p = pressures(equilibrium(c, 0.1, p_upper=10 * BAR), c)
     force = c.cylinder.area_lower * p.lower - c.cylinder.area_upper * p.upper
     assert force == pytest.approx(120.0 * 9.81, abs=1e-3)
+
+
+@pytest.mark.parametrize("force", [500.0, -500.0])
+def test_an_external_force_upwards_relieves_the_oil(force: float):
+    c = circuit(load={"force": force})
+    start = equilibrium(c, 0.1)
+    assert pressures(start, c).lower * c.cylinder.area_lower == pytest.approx(120.0 * 9.81 - force, abs=1e-3)
+    assert rates(start, 0.0, c).piston.velocity == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.0, 3.0, 6.0, 1230.0 / 60.0, 30.0])

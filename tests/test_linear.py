@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from plant import BAR, FRICTIONLESS, TIGHT, circuit, run
 from scipy.linalg import expm
 
+from tests.plant import BAR, FRICTIONLESS, TIGHT, circuit, run
 from twin.circuit import Piston, pressures
 from twin.cylinder import chamber_volumes
 from twin.equilibrium import equilibrium
@@ -64,7 +64,7 @@ def test_a_run_reaches_the_moving_point():
 def test_a_moving_point_needs_no_edge_point():
     """303 kg sink faster than the pump fills at any small opening; a viscous drag holds them back."""
     c = circuit(load={"mass": 303.0})
-    with pytest.raises(ValueError, match="cavitate|does not follow"):
+    with pytest.raises(ValueError, match=r"cavitate|does not follow"):
         moving_point(c, 0.1, -0.2)
     assert pressures(moving_point(c, 0.1, -0.2, 1e4), c).upper > 0.0
 

@@ -5,8 +5,8 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from plant import circuit
 
+from tests.plant import circuit
 from twin.oil import Oil
 from twin.orifice import Orifice, area_for, flow, flow_slopes, quadratic_flow, resistance
 

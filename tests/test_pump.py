@@ -3,8 +3,12 @@
 import math
 
 import pytest
-from plant import BAR, circuit
+from hypothesis import given
+from hypothesis import strategies as st
 
+from tests.plant import BAR, circuit
+from twin.circuit import through_pump
+from twin.node import Node, pressure
 from twin.pump import displacement, pump_flow, pumped_oil
 
 PUMP = circuit().pump
@@ -25,3 +29,14 @@ def test_pumped_oil_is_flow_times_density_and_its_slope_the_derivative():
     assert oil == pytest.approx(pump_flow(50 * BAR, PUMP) * (1.0 + 50 * BAR / 1.17e9), rel=1e-14)
     above, below = (pumped_oil(50 * BAR + d, PUMP, 1.17e9)[0] for d in (1e3, -1e3))
     assert slope == pytest.approx((above - below) / 2e3, rel=1e-7)
+
+
+@given(st.floats(-BAR, 300 * BAR), st.floats(-0.02, 0.02))
+def test_a_step_of_the_pump_is_the_trapezoidal_rule_down_to_a_cavity(before: float, filled: float):
+    """Mean oil flow = Q(before) + slope (after - before)/2, after being the pressure that this flow leaves."""
+    c, volume = circuit(), 5e-5
+    node = Node(volume * (1.0 + filled), volume, volume / 1.17e9)
+    mean = through_pump(before, node, c.pump, c.oil, 1e-4)
+    after = pressure(node._replace(stored=node.stored + 1e-4 * mean), c.oil.vapour_pressure)
+    inflow, slope = pumped_oil(before, c.pump, c.oil.bulk_modulus)
+    assert mean == pytest.approx(inflow + 0.5 * slope * (after - before), rel=1e-9)

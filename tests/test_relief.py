@@ -3,8 +3,8 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from plant import BAR, circuit
 
+from tests.plant import BAR, circuit
 from twin.node import Node, implicitness, pressure
 from twin.relief import relief_flow, relief_slope, relieve
 

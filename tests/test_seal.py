@@ -5,9 +5,9 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from plant import BAR, FRICTIONLESS, circuit
 from scipy.integrate import solve_ivp
 
+from tests.plant import BAR, FRICTIONLESS, circuit
 from twin.seal import friction, friction_limit, slide
 
 SEAL = circuit().seal

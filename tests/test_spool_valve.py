@@ -6,8 +6,8 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from plant import circuit
 
+from tests.plant import circuit
 from twin.spool_valve import move_spool, opening
 
 H = 50e-6
@@ -37,8 +37,10 @@ def test_small_step_is_exact(ms: int):
 
 def test_large_step_keeps_the_rate_limit():
     """-1 to 1: never faster than 50 travels a second, and that fast for most of the way."""
-    track = [-1.0, *(s for s, _ in move(1.0, 0.06, start=-1.0))]
+    moved = move(1.0, 0.06, start=-1.0)
+    track = [-1.0, *(s for s, _ in moved)]
     rates = [(b - a) / H for a, b in pairwise(track)]
+    assert max(rate for _, rate in moved) == 50.0
     assert max(rates) == pytest.approx(50.0, rel=1e-9)
     assert sum(rate > 49.999 for rate in rates) * H > 0.02
 

@@ -1,0 +1,46 @@
+# Everything sets itself up: the first target that needs the environment makes it.
+PYTHON ?= python3
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: setup run test bench check endurance recordings lock clean
+
+setup: $(READY)
+
+$(READY): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "hydrotwin needs Python 3.11 or newer; name one: make PYTHON=python3.12"; exit 1; }
+	@$(PYTHON) -m venv --clear .venv \
+		|| { echo "no venv here; on Debian and Ubuntu: apt-get install python3-venv"; exit 1; }
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps --editable .
+	@touch $(READY)
+
+run: $(READY)  ## the closed loop in real time: three processes, a recording, a picture, a summary
+	$(BIN)/hydrotwin run step
+
+test: $(READY)  ## the whole suite
+	$(BIN)/python -m pytest -q
+
+check: $(READY)  ## style, types, import direction
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/pyright
+	$(BIN)/python -m pytest -q tests/test_imports.py
+
+bench: $(READY)  ## speed, each figure beside what it is to be compared with
+	$(BIN)/python -m tests.benchmarks
+
+endurance: $(READY)  ## the long trials
+	$(BIN)/python -m pytest -q -m endurance
+
+recordings: $(READY)  ## renew the golden recordings; say in the change what moved and why
+	$(BIN)/python -m recordings.renew
+
+lock: $(READY)  ## pin what pyproject.toml asks for; the file holds no addresses
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --all-extras --group dev \
+		--generate-hashes --no-emit-index-url --no-emit-find-links --no-header --quiet -o requirements.lock
+
+clean:
+	rm -rf .venv runs .pytest_cache .ruff_cache .hypothesis

@@ -1,0 +1,32 @@
+"""Print the table of `make bench`; `python -m tests.benchmarks WORD` runs the rows whose section has the word."""
+
+import sys
+import tempfile
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from tests.benchmarks import loop, plant, recorder, start, timing
+
+SECTIONS = {
+    "plant": plant.rows,
+    "loop": loop.rows,
+    "timing": timing.rows,
+    "recorder": recorder.rows,
+    "start": start.rows,
+}
+
+
+def main() -> None:
+    """Run the sections asked for."""
+    wanted = sys.argv[1:] or list(SECTIONS)
+    table = Table("what", "ours", "beside", "ratio", box=None, pad_edge=False)
+    for name in wanted:
+        with tempfile.TemporaryDirectory() as folder:
+            for row in SECTIONS[name](Path(folder)):
+                table.add_row(*row)
+    Console(width=120).print(table)
+
+
+main()

@@ -1,0 +1,115 @@
+"""Real time: lateness beside the bare timer, round trip beside a bare ping-pong, in the same minute."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import zenoh
+from numpy.typing import NDArray
+
+from bridge.clock import prepare, ticks
+from bridge.link import free_endpoint
+from bridge.run import RunRequest, run_scenario
+from bridge.scenario import load
+from tests.benchmarks.plant import Row
+
+SECONDS = 20
+PINGS = 3000
+
+
+def timer(period_ns: int, seconds: float) -> NDArray[np.int64]:
+    """Lateness [ns] of bare ticks: the same waiting, nothing done."""
+    prepare(fifo=False)
+    return np.array([tick.lateness for tick in islice(ticks(period_ns), round(seconds * 1e9 / period_ns))])
+
+
+def rows(folder: Path) -> Iterator[Row]:
+    """Each figure beside what the system itself can do."""
+    test = subprocess.Popen(
+        [sys.executable, "-m", "tests.benchmarks.timing", "timer", str(folder / "timer.npy")],
+    )
+    summary = _run(folder)
+    test.wait()
+    bare = np.load(folder / "timer.npy") * 1e-9
+    for name, q in (("p50", 50.0), ("p99", 99.0), ("p99.9", 99.9), ("max", 100.0)):
+        ours, beside = summary["timing"]["lateness"][name], float(np.percentile(bare, q))
+        yield f"lateness of the ticks, {name}", *_compare(ours, beside, "timer test beside it")
+    overruns = summary["timing"]["overruns"]
+    commands = summary["commands"]
+    yield "overruns; late commands", f"{overruns['count']} of {SECONDS}000; {commands['late']} of {commands['sent']}", "", ""
+    pings = ping_pong()
+    for name, q in (("p50", 50.0), ("p99", 99.0), ("p99.9", 99.9)):
+        ours, beside = summary["timing"]["round_trip"][name], float(np.percentile(pings, q))
+        yield f"measurement to command, {name}", *_compare(ours, beside, "bare ping-pong, 76 bytes")
+
+
+def _run(folder: Path) -> dict:
+    changes = [f"duration={SECONDS}", "loop.sample_period=0.001", "loop.delay=0.005", "real_time.overruns=100000"]
+    request = RunRequest("realtime", 1.0, False, folder / "rt.mcap", 10.0, False, None)
+    return run_scenario(load("step", changes), request).summary
+
+
+def ping_pong() -> NDArray[np.float64]:
+    """Round trips [s] of a bare message between two processes at 1 kHz, same links and qualities of service."""
+    endpoint = free_endpoint()
+    session, echo = _open("peer", "listen", endpoint), None
+    try:
+        echo = subprocess.Popen([sys.executable, "-m", "tests.benchmarks.timing", "pong", endpoint])
+        back: list[int] = []
+        ear = zenoh.handlers.Callback(lambda sample: back.append(time.monotonic_ns()), indirect=False)
+        subscriber = session.declare_subscriber("pong", ear)
+        publisher = session.declare_publisher("ping", express=True, priority=zenoh.Priority.REAL_TIME)
+        while not publisher.matching_status.matching:
+            time.sleep(0.05)
+        trips = list(_trips(publisher, back))
+        subscriber.undeclare()
+        return np.array(trips)
+    finally:
+        if echo:
+            echo.kill()
+            echo.wait()
+        session.close()
+
+
+def _trips(publisher, back: list[int]) -> Iterator[float]:
+    for _ in islice(ticks(1_000_000), PINGS):
+        back.clear()
+        sent = time.monotonic_ns()
+        publisher.put(b"x" * 76)
+        deadline = time.monotonic() + 0.1
+        while not back and time.monotonic() < deadline:
+            time.sleep(50e-6)
+        if back:
+            yield (back[0] - sent) * 1e-9
+
+
+def _open(mode: str, side: str, endpoint: str):
+    config = zenoh.Config()
+    config.insert_json5("mode", f'"{mode}"')
+    config.insert_json5(f"{side}/endpoints", f'["{endpoint}"]')
+    config.insert_json5("scouting/multicast/enabled", "false")
+    return zenoh.open(config)
+
+
+def _echo(endpoint: str) -> None:
+    session = _open("client", "connect", endpoint)
+    publisher = session.declare_publisher("pong", express=True, priority=zenoh.Priority.REAL_TIME)
+    answer = zenoh.handlers.Callback(lambda sample: publisher.put(sample.payload), indirect=False)
+    subscriber = session.declare_subscriber("ping", answer)
+    time.sleep(60.0)
+    subscriber.undeclare()
+
+
+def _compare(ours: float, beside: float, words: str) -> tuple[str, str, str]:
+    return f"{ours * 1e6:.1f} us", f"{beside * 1e6:.1f} us {words}", f"{ours / beside:.2f}" if beside > 0 else "-"
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "timer":
+        np.save(sys.argv[2], timer(1_000_000, SECONDS))
+    else:
+        _echo(sys.argv[2])
