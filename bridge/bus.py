@@ -15,7 +15,7 @@ import numpy as np
 import zenoh
 
 from bridge.link import Link, open_session
-from bridge.messages import TOPICS, Outgoing, Status, encode, encoding
+from bridge.messages import TOPICS, Outgoing, Status, Topic, encode, encoding
 
 STAMP = struct.Struct("<qQ")  # attachment: log time, sequence
 Receiver = Callable[[bytes, str, tuple[int, int] | None], None]
@@ -34,6 +34,9 @@ class Bus:
         self._publishers: dict[str, Any] = {}
         self._declared: list[Any] = []
         self._status = 0
+        for topic in TOPICS.values():
+            if topic.publisher in (role, "all"):
+                self._declare(topic)
 
     def __enter__(self) -> "Bus":
         return self
@@ -43,9 +46,8 @@ class Bus:
 
     def publish(self, message: Outgoing, payload: bytes | None = None) -> None:
         """Send one message."""
-        publisher = self._publishers.get(message.topic) or self._declare(message.topic)
         stamp = STAMP.pack(message.log_time, message.sequence)
-        publisher.put(encode(message.message) if payload is None else payload, attachment=stamp)
+        self._publishers[message.topic].put(encode(message.message) if payload is None else payload, attachment=stamp)
 
     def publish_status(
         self, run_id: int, stamp: int, phase: str, values: dict[str, float], text: str = "", role: str = ""
@@ -121,17 +123,14 @@ class Bus:
                 self.changed.wait(0.05)
         return absent
 
-    def _declare(self, name: str) -> Any:
-        topic = TOPICS[name]
+    def _declare(self, topic: Topic) -> None:
         urgent = topic.express and not self._blocking
         control = zenoh.CongestionControl
-        publisher = self.session.declare_publisher(
-            f"{self.rig_name}/{name}",
+        self._publishers[topic.name] = self.session.declare_publisher(
+            f"{self.rig_name}/{topic.name}",
             encoding=encoding(topic.type),
-            congestion_control=control.BLOCK if self._blocking or name == "status" else control.DROP,
+            congestion_control=control.BLOCK if self._blocking or topic.name == "status" else control.DROP,
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
             express=topic.express,
             reliability=zenoh.Reliability.RELIABLE,
         )
-        self._publishers[name] = publisher
-        return publisher

@@ -10,8 +10,7 @@ from bridge.host import host, versions
 from bridge.identity import derived
 from bridge.messages import Outgoing, encode
 from bridge.plant_side import PlantSide
-from bridge.recording.order import Order, Ordered
-from bridge.recording.reader import read
+from bridge.recording.reader import Entry, Recording
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario
 from bridge.summary import summarise
@@ -27,27 +26,25 @@ def exchange(plant: PlantSide, controller: ControllerSide, ticks: int, lean: boo
                 plant.take(answer.message)
         yield out + answers
         out = plant.tick(lean)
-    yield out + controller.answer(plant.measurement)
+    yield out + controller.answer(plant.measurement) + plant.finish(f"complete after {ticks} ticks")
 
 
-def record_in_process(scenario: Scenario, path: Path, progress: Callable[[int], None] = lambda tick: None) -> dict[str, Any]:
-    """Run a scenario and record it; returns the summary."""
+def record_in_process(
+    scenario: Scenario, path: Path, progress: Callable[[int], None] = lambda tick: None
+) -> Recording:
+    """Run a scenario and record it; returns what the file holds."""
     plant, controller = sides(scenario)
-    grid = scenario.loop.grid()
-    writer, order = RecordingWriter(path, scenario.rig_name), Order(grid, controlled=True)
-    writer.metadata("run", manifest(scenario, plant.run_id))
+    writer = RecordingWriter(path, scenario.rig_name)
+    head = manifest(scenario, plant.run_id)
+    writer.metadata("run", head)
+    entries: list[Entry] = []
     for tick, messages in enumerate(exchange(plant, controller, scenario.ticks)):
-        for message in messages:
-            _write(writer, order.add(message.topic, message.log_time, message.sequence, encode(message.message)))
+        entries += _write(writer, messages)
         progress(tick)
-    for message in plant.finish(f"complete after {plant.tick_number} ticks"):
-        _write(writer, order.add(message.topic, message.log_time, message.sequence, encode(message.message)))
-    _write(writer, order.rest())
-    writer.flush()
-    summary = summarise(read(path), scenario, {})
+    summary = summarise(Recording(path, entries, {}, True), scenario, {})
     writer.metadata("summary", summary)
     writer.close()
-    return summary
+    return Recording(path, entries, {"run": head, "summary": summary}, True)
 
 
 def sides(scenario: Scenario) -> tuple[PlantSide, ControllerSide]:
@@ -69,7 +66,14 @@ def manifest(scenario: Scenario, run_id: int) -> dict[str, Any]:
     }
 
 
-def _write(writer: RecordingWriter, entries: Iterator[Ordered]) -> None:
+def _write(writer: RecordingWriter, messages: list[Outgoing]) -> list[Entry]:
+    """Write what belongs to one instant, in the order of a lockstep recording."""
+    entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in sorted(messages, key=_place)]
     for topic, log_time, sequence, payload in entries:
         writer.write(topic, log_time, sequence, payload)
-        writer.flush_by(log_time)
+    writer.flush_by(messages[0].log_time)
+    return entries
+
+
+def _place(message: Outgoing) -> tuple[int, str, int]:
+    return message.log_time, message.topic, message.sequence

@@ -125,6 +125,8 @@ TOPICS: dict[str, Topic] = {
 STORE = get_typestore(Stores.ROS2_JAZZY)
 for _name, _text in (LOOP_MESSAGES | OTHER_MESSAGES).items():
     STORE.register(get_types_from_msg(_text, _own(_name)))
+for _topic in TOPICS.values():
+    STORE.get_msgdef(_topic.type)  # makes its serialiser now: later would be in the middle of a tick
 
 Measurement: Any = STORE.types[_own("Measurement")]
 ValveCommand: Any = STORE.types[_own("ValveCommand")]

@@ -59,6 +59,7 @@ class PlantSide:
         self._reading = np.zeros(5)
         self._observed = np.zeros(len(OBSERVED))
         self._notes: list[Note] = []
+        acquire(self._taps, self._noise[0], self._card, loop.step, self._reading)  # compiled before the clock starts
         self.measurement: Any = None
 
     @property

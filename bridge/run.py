@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from bridge.inprocess import record_in_process
 from bridge.progress import Progress
-from bridge.recording.reader import read
+from bridge.recording.reader import Recording, read
 from bridge.scenario import Scenario
 from bridge.summary import summarise, verdict
 
@@ -34,21 +34,19 @@ class Outcome(NamedTuple):
 
 def run_scenario(scenario: Scenario, request: RunRequest) -> Outcome:
     """Run, summarise, draw. A failed run has faults, and its recording as far as it goes."""
-    faults = _run(scenario, request)
-    if not request.recording.is_file():
+    recording, faults = _run(scenario, request)
+    if recording is None:
         return Outcome(scenario, {"scenario": scenario.name, "faults": faults}, faults, None, None)
-    recording = read(request.recording)
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
     faults = [*faults, *verdict(summary, scenario)]
     summary = summary | {"mode": request.mode, "speed": request.speed, "recording": str(request.recording)}
     return Outcome(scenario, summary | {"faults": faults}, faults, request.recording, _picture(scenario, recording))
 
 
-def _run(scenario: Scenario, request: RunRequest) -> list[str]:
+def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, list[str]]:
     with Progress(scenario) as progress:
         if request.mode == "inprocess":
-            record_in_process(scenario, request.recording, progress.tick)
-            return []
+            return record_in_process(scenario, request.recording, progress.tick), []
         from bridge.supervisor import RunOptions, Supervisor
 
         options = RunOptions(
@@ -60,10 +58,11 @@ def _run(scenario: Scenario, request: RunRequest) -> list[str]:
             request.external,
             request.listen,
         )
-        return Supervisor(scenario, options, progress.show).run().faults
+        faults = Supervisor(scenario, options, progress.show).run()
+    return (read(request.recording) if request.recording.is_file() else None), faults
 
 
-def _picture(scenario: Scenario, recording: Any) -> Path | None:
+def _picture(scenario: Scenario, recording: Recording) -> Path | None:
     from bridge.picture import draw
 
     if sum(1 for _ in recording.of("state")) < 2:

@@ -38,7 +38,7 @@ class Gate:
 
     def check(self, command: Any, now: int) -> Refusal | None:
         """None when the command is taken; `now` is the simulated time reached [ns]."""
-        for test in (self._run, self._value, self._owner, self._order, self._time):
+        for test in (self._run, self._value, self._owner, self._time, self._order):
             if (refusal := test(command, now)) is not None:
                 return self.refuse(*refusal)
         self.owner = command.source

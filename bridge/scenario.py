@@ -50,7 +50,7 @@ Pressure, Fraction = measured("Pa"), measured("")
 class Part(BaseModel):
     """Base of all sections: unknown keys are errors, nothing changes after loading."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings")
 
 
 class Start(Part):

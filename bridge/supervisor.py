@@ -33,12 +33,6 @@ class RunOptions(NamedTuple):
     listen: str | None  # the plant's endpoint; None: a free one on loopback
 
 
-class Ending(NamedTuple):
-    """What went wrong, in words; empty for a run in which every process did what it should."""
-
-    faults: list[str]
-
-
 class Child:
     """A process of ours, with its words kept."""
 
@@ -87,8 +81,8 @@ class Supervisor:
         self._plant_over: float | None = None
         self._asked_to_stop: float | None = None
 
-    def run(self) -> Ending:
-        """Run to the end, whatever happens; every process of ours is gone afterwards."""
+    def run(self) -> list[str]:
+        """Run to the end, whatever happens; every process of ours is gone afterwards. Returns what went wrong."""
         endpoint = self.options.listen or free_endpoint()
         with tempfile.TemporaryDirectory(prefix="hydrotwin-") as folder:
             try:
@@ -98,7 +92,7 @@ class Supervisor:
                 for child in self.children:
                     child.end()
             self._collect_faults()
-        return Ending(self.faults)
+        return self.faults
 
     def _start(self, folder: Path, endpoint: str) -> None:
         options, file = self.options, folder / "scenario.json"

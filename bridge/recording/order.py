@@ -1,7 +1,7 @@
 """A stable order for what several publishers send: (log_time, channel, sequence).
 
 Messages wait until nothing earlier can come any more. The plant's go out per tick, so a measurement of a later tick
-closes the ticks before; the controller's last command says how far its side has come.
+closes the ticks before; a command of a later sample what its controller said before.
 """
 
 import heapq
@@ -17,7 +17,6 @@ class Order:
     """Sorts messages by (log_time, channel, sequence) as they become safe to write."""
 
     def __init__(self, grid: Sampling, controlled: bool) -> None:
-        self._grid = grid
         self._heap: list[tuple[int, str, int, bytes]] = []
         self._plant = 0  # nothing of the plant's before this [ns] is still to come
         self._controller = grid.offset if controlled else ALWAYS
@@ -28,7 +27,7 @@ class Order:
         if topic == "measurement":
             self._plant = log_time
         elif topic == "command":
-            self._controller = max(self._controller, log_time + self._grid.sample)
+            self._controller = max(self._controller, log_time)
         return self._before(min(self._plant, self._controller))
 
     def rest(self) -> Iterator[Ordered]:

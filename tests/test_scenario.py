@@ -1,0 +1,118 @@
+"""Scenario files: right ones load, wrong ones get one line that helps."""
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bridge.bands import METRIC_UNITS, parse_band
+from bridge.scenario import Scenario, ScenarioError, check, load, names
+from bridge.units import UNITS, quantity
+from twin.rig import RIG
+
+
+def test_the_built_in_scenarios_are_there_and_load():
+    assert set(names()) >= {"step", "square", "sine", "slow-sampling", "delay", "hold-load"}
+    for name in names():
+        assert load(name).expect, f"{name} expects nothing"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("loop.sample_perod=1", "loop.sample_perod: unknown key; did you mean 'sample_period'"),
+        ("rig.load.mas=3", "rig.load.mas: unknown key; did you mean 'mass'"),
+        ("loop.delay='2.5 mss'", "unit 'mss' does not fit here; nearest: 'ms'"),
+        ("rig.load.mass='3 bar'", "unit 'bar' does not fit here"),
+        ("loop.delay=0.00001", "nearest: 0 or 5e-05"),
+        ("rig.valve.overlap=1.5", "rig.valve.overlap: 1.5 must be at most 0.9"),
+        ("rig.valve.overlap=nan", "no finite number"),
+        ("duration=inf", "no finite number"),
+        ("controller.law=pid", "law 'pid' is unknown; nearest: 'pd'"),
+        ("controller.gain='3 V/mm'", "unit 'V/mm' does not fit here; nearest: 'V/%'"),
+        ("reference.kind=stp", "'stp' is unknown; nearest: 'step'"),
+        ("expect=['overshot <= 5 %']", "no metric 'overshot'; nearest: 'overshoot'"),
+        ("expect=['overshoot <= 5 bar']", "unit 'bar' does not fit here"),
+        ("expect=['limit cycle: maybe']", "'none' or 'present'"),
+        ("start.position='3 m'", "lies outside the stroke"),
+        ("rig.load.mass=1", "too light for the seal's friction"),
+        ("rig.pipe_1.length='1 mm'", "too coarse for pipe_1"),
+        ("rig.oil.temperature=95", "must be at most 80"),
+        ("rig.cylinder.rod='60 mm'", "must be thinner than cylinder.bore"),
+        ("controller.gain.x=1", "controller.gain"),
+        ("nonsense", "is no change"),
+    ],
+)
+def test_a_mistake_gets_one_line_that_names_it(change, said):
+    with pytest.raises(ScenarioError) as error:
+        load("step", [change])
+    lines = str(error.value).splitlines()
+    assert len(lines) == 1
+    assert said in lines[0]
+
+
+def test_an_unknown_scenario_names_its_neighbour():
+    with pytest.raises(ScenarioError, match="did you mean 'step'"):
+        load("stp")
+
+
+@pytest.mark.parametrize("part", sorted(RIG))
+def test_every_number_of_the_rig_can_be_changed(part):
+    for name, number in RIG[part].items():
+        scenario = load("step", [f"rig.{part}.{name}={number.value!r}"])
+        assert scenario.numbers()[part][name] == number.value
+
+
+def test_every_number_has_a_known_unit_and_a_source():
+    for entries in RIG.values():
+        for number in entries.values():
+            assert number.unit in UNITS
+            assert number.source
+
+
+def test_a_scenario_survives_its_own_json():
+    scenario = load("step", ["rig.cylinder.leakage_resistance=inf", "controller.gain=0.4"])
+    again = check(json.loads(scenario.model_dump_json()), "again")
+    assert again.model_dump(exclude={"rig"}) == scenario.model_dump(exclude={"rig"})
+    assert again.numbers() == scenario.numbers()
+
+
+def test_the_schema_names_every_section():
+    schema = Scenario.model_json_schema()
+    assert {"loop", "controller", "reference", "daq", "rig", "expect"} <= set(schema["properties"])
+
+
+def test_a_table_is_read_from_beside_the_scenario(tmp_path):
+    (tmp_path / "way.csv").write_text("time_s,position_m\n0,0.1\n1,0.2\n")
+    (tmp_path / "own.toml").write_text('[reference]\nkind = "table"\ncsv = "way.csv"\n')
+    scenario = load(str(tmp_path / "own.toml"))
+    assert scenario.name == "own"
+    assert scenario.reference.reference().values == (0.1, 0.2)
+
+
+def test_broken_toml_and_missing_tables_are_told(tmp_path):
+    (tmp_path / "bad.toml").write_text("duration = \n")
+    with pytest.raises(ScenarioError, match="cannot be read"):
+        load(str(tmp_path / "bad.toml"))
+    (tmp_path / "own.toml").write_text('[reference]\nkind = "table"\ncsv = "none.csv"\n')
+    with pytest.raises(ScenarioError, match=r"no file .*none\.csv"):
+        load(str(tmp_path / "own.toml"))
+
+
+@given(st.sampled_from(sorted(UNITS)), st.floats(-1e6, 1e6))
+def test_units_convert_by_their_factor(unit, value):
+    for name, (factor, offset) in UNITS[unit].items():
+        assert quantity(f"{value!r} {name}", unit) == pytest.approx(value * factor + offset, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("metric", sorted(METRIC_UNITS))
+def test_a_band_for_every_metric(metric):
+    band = parse_band(f"{metric.replace('_', ' ')} <= 3")
+    assert (band.metric, band.relation, band.limit) == (metric, "<=", 3.0)
+
+
+def test_bands_take_units():
+    assert parse_band("overshoot <= 5 %").limit == pytest.approx(0.05)
+    assert parse_band("peak p_lower <= 80 bar").limit == 80e5
+    assert parse_band("limit cycle: none").limit == 0.0

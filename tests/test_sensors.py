@@ -1,0 +1,61 @@
+"""The data acquisition card."""
+
+import numpy as np
+import pytest
+
+from twin.sensors import Card, acquire, convert, noise_block
+
+CARD = Card(12.0, 0.3, 1.0, 250e5, 0.5, 5e-6, True, True, True)
+PERFECT = CARD._replace(noise=0.0, skew=0.0, quantise=False, clip=False)
+STEP = 50e-6
+
+
+def scan(card: Card, before, at, noise=(0.0,) * 5):
+    out = np.zeros(5)
+    acquire(np.array([before, at], float), np.array(noise, float), card, STEP, out)
+    return out
+
+
+def test_twelve_bits_over_the_range():
+    """Readings are whole multiples of range / 4096 and off by half of that at most."""
+    values = np.linspace(0.0, 0.2999, 7001)
+    read = np.array([convert(v, 0.0, 0.3, 0.0, CARD) for v in values])
+    codes = read / (0.3 / 4096)
+    assert np.allclose(codes, np.round(codes), atol=1e-9)
+    assert np.abs(read - values).max() <= 0.5 * 0.3 / 4096 * (1 + 1e-9)
+
+
+def test_channels_are_read_one_after_the_other():
+    """Channel j of n is read (n-1-j) * 5 us before the end of the scan, by a straight line inside the last step."""
+    read = scan(PERFECT._replace(skew=5e-6), before=[0.0] * 5, at=[1.0] * 5)
+    assert read == pytest.approx(1.0 - np.array([20, 15, 10, 5, 0]) * 1e-6 / STEP)
+
+
+def test_without_a_tachometer_there_is_one_channel_less():
+    read = scan(PERFECT._replace(skew=5e-6, tachometer=False), before=[0.0] * 5, at=[1.0] * 5)
+    assert np.isnan(read[1])
+    assert read[[0, 2, 3, 4]] == pytest.approx(1.0 - np.array([15, 10, 5, 0]) * 1e-6 / STEP)
+
+
+def test_pressures_below_zero_read_as_zero_and_ranges_end():
+    read = scan(CARD._replace(noise=0.0), before=[0.4, 2.0, -1e5, -1e5, 300e5], at=[0.4, 2.0, -1e5, -1e5, 300e5])
+    assert read[2] == read[3] == 0.0
+    assert read[0] == pytest.approx(0.3 * 4095 / 4096)
+    assert read[1] == pytest.approx(2.0 * 4095 / 4096 - 1.0)
+    assert read[4] == pytest.approx(250e5 * 4095 / 4096)
+
+
+def test_each_effect_can_be_switched_off():
+    values = [0.1234567, -0.3, -0.9e5, 12.3e5, 260e5]
+    assert scan(PERFECT, before=[0.0] * 5, at=values, noise=[3.0] * 5).tolist() == values
+
+
+def test_noise_has_the_stated_size_and_belongs_to_seed_and_tick():
+    block = noise_block(3, 5)
+    assert np.array_equal(block, noise_block(3, 5))
+    assert not np.array_equal(block, noise_block(3, 6))
+    assert not np.array_equal(block, noise_block(4, 5))
+    card = CARD._replace(quantise=False)
+    rows = np.array([convert(0.15, 0.0, 0.3, x, card) for x in noise_block(1, 0).ravel()])
+    assert rows.std() == pytest.approx(0.5 * 0.3 / 4096, rel=0.05)
+    assert rows.mean() == pytest.approx(0.15, abs=3 * 0.5 * 0.3 / 4096 / np.sqrt(rows.size))
