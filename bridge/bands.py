@@ -34,7 +34,9 @@ def parse_band(text: str) -> Band:
         return _cycle_band(text, cycle[1])
     match = _BAND.fullmatch(text)
     if match is None:
-        raise ValueError(f"expect {text!r}: write 'metric <= value unit', 'metric >= value unit' or 'limit cycle: none'")
+        raise ValueError(
+            f"expect {text!r}: write 'metric <= value unit', 'metric >= value unit' or 'limit cycle: none'"
+        )
     metric = match[1].replace(" ", "_").replace("-", "_")
     if metric not in METRIC_UNITS:
         near = difflib.get_close_matches(metric, METRIC_UNITS, n=1, cutoff=0.0)[0].replace("_", " ")

@@ -76,7 +76,11 @@ class Bus:
     def answer(self, name: str, reply: Callable[[], bytes]) -> None:
         """Answer queries for a name below the rig's."""
         key = f"{self.rig_name}/{name}"
-        handler = zenoh.handlers.Callback(lambda query: query.reply(key, reply()), indirect=True)
+
+        def on_query(query: Any) -> None:
+            query.reply(key, reply())
+
+        handler = zenoh.handlers.Callback(on_query, indirect=True)
         self._declared.append(self.session.declare_queryable(key, handler))
 
     def ask(self, name: str, patience: float, stopped: Callable[[], bool] = lambda: False) -> bytes | None:

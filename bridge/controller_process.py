@@ -7,9 +7,9 @@ from typing import Any
 from bridge.bus import Bus, Receiver
 from bridge.clock import Stop, prepare
 from bridge.controller_side import ControllerSide
+from bridge.failure import RunError
 from bridge.link import Link
 from bridge.messages import decode
-from bridge.plant_process import Failure
 from bridge.scenario import Scenario
 
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
@@ -36,7 +36,7 @@ class ControllerProcess:
         bus.announce()
 
     def run(self) -> None:
-        """Answer until the plant has ended or is gone. Raises what the law raised, or Failure when refused."""
+        """Answer until the plant has ended or is gone. Raises what the law raised, or RunError when refused."""
         while not self.stop() and not self._finished():
             time.sleep(0.02)
             if self._fault is not None:
@@ -54,7 +54,7 @@ class ControllerProcess:
                 return  # somebody else's noise on our keys; the plant counts what concerns it
             try:
                 heed(message)
-            except Exception as error:  # noqa: BLE001
+            except Exception as error:
                 self._fault = self._fault or error
 
         return receive
@@ -66,7 +66,7 @@ class ControllerProcess:
 
     def _heed(self, event: Any) -> None:
         if event.kind == "refused" and event.source == self.side.source and event.text.startswith("second controller"):
-            self._fault = Failure(f"the plant refuses this controller: {event.text}")
+            self._fault = RunError(f"the plant refuses this controller: {event.text}")
 
     def _follow(self, status: Any) -> None:
         if status.role == "plant" and status.phase not in ("running", "safe", "waiting"):
@@ -80,7 +80,7 @@ class ControllerProcess:
 
 
 def run_controller(scenario: Scenario, link: Link, mode: str, source: int, fifo: bool) -> None:
-    """Run a controller until its plant ends. Raises Failure, LinkError or ScenarioError with one line for people."""
+    """Run a controller until its plant ends. Raises RunError, LinkError or ScenarioError with one line for people."""
     stop = Stop()
     side = ControllerSide(scenario, source)
     prepare(fifo)

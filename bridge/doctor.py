@@ -8,27 +8,21 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
-from bridge.clock import SPIN_NS, ticks
-from bridge.echo import round_trips
+from bridge.clock import FIFO_PRIORITY
 from bridge.host import cpu, versions
-from bridge.link import DEFAULT_ENDPOINT, LinkError
+from bridge.link import DEFAULT_ENDPOINT
+from bridge.punctuality import Verdict, loopback, pacing, sleeping
 from twin.kernel import cache_directory
 
 OPTIONAL = {"rerun-sdk", "hydrotwin"}  # our own name is missing when we run from the sources
-PERIOD_NS = 1_000_000  # the loop's usual DAQ period
-TICKS = 1000
-TRIPS = 200
 ROOM_FAIR, ROOM_BAD = 1e9, 1e8  # [bytes] an hour at 1 kHz takes about 0.9 GB; 100 MB hold 7 minutes
 WRITTEN = 20_000_000  # [bytes]
-SPEED_FAIR = 10e6  # [bytes/s] a run at 5 kHz writes 1.3 MB/s, and the system keeps bursts for other files too
+SPEED_FAIR = 10e6  # [bytes/s] a run at 5 kHz writes 1.3 MB/s and flushes it four times a second
 MOST_SECONDS = 1.0  # for writing
-FIFO_PROBE = "import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))"
+FIFO_PROBE = f"import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param({FIFO_PRIORITY}))"
 LOCK_PROBE = "import ctypes, sys; sys.exit(ctypes.CDLL(None).mlockall(3) and 'refused')"
 COLD = "the first start compiles for about 10 s; `hydrotwin run step --mode inprocess` does it beforehand"
 
@@ -47,19 +41,16 @@ def examine() -> list[Finding]:
     return [_tried(what, look) for what, look in LOOKS.items()]
 
 
-def _tried(what: str, look: Callable[[], tuple[str, str, str]]) -> Finding:
+def _tried(what: str, look: Callable[[], Verdict]) -> Finding:
     try:
         state, found, advice = look()
     except (OSError, ValueError, AttributeError, subprocess.SubprocessError) as error:
-        state, found, advice = (
-            "fair",
-            f"could not be examined: {error}",
-            "a run may still work: try `hydrotwin run step`",
-        )
+        state, found = "fair", f"could not be examined: {error}"
+        advice = "a run may still work: try `hydrotwin run step`"
     return Finding(state, what, found, "" if state == "good" else advice)
 
 
-def packages() -> tuple[str, str, str]:
+def packages() -> Verdict:
     """Are those that a run needs installed?"""
     needed = {name: version for name, version in versions().items() if name not in OPTIONAL}
     absent = [name for name, version in needed.items() if version == "absent"]
@@ -67,13 +58,13 @@ def packages() -> tuple[str, str, str]:
     return "bad" if absent else "good", found, f"pip install {' '.join(absent)}"
 
 
-def viewer() -> tuple[str, str, str]:
+def viewer() -> Verdict:
     """Is Rerun there?"""
     version = versions()["rerun-sdk"]
     return "fair" if version == "absent" else "good", f"rerun-sdk {version}", "pip install 'hydrotwin[view]'"
 
 
-def processor() -> tuple[str, str, str]:
+def processor() -> Verdict:
     """Enough cores, and are they free? Plant and controller each want one while they answer one another."""
     cores, load = len(os.sched_getaffinity(0)), os.getloadavg()[0]
     found = f"{cpu()}, {cores} core{'s' * (cores != 1)}, load {load:.1f}"
@@ -82,73 +73,24 @@ def processor() -> tuple[str, str, str]:
     return "fair" if load > cores else "good", found, "other programs keep the cores busy: end them before timing runs"
 
 
-def fifo() -> tuple[str, str, str]:
+def fifo() -> Verdict:
     """May a process of ours run at real-time priority? Tried in one that ends at once."""
-    return _permission(FIFO_PROBE, "for --fifo run as root, or allow `ulimit -r 30` (rtprio in limits.conf)")
+    return _permission(
+        FIFO_PROBE, f"for --fifo run as root, or allow `ulimit -r {FIFO_PRIORITY}` (rtprio in limits.conf)"
+    )
 
 
-def locked_memory() -> tuple[str, str, str]:
+def locked_memory() -> Verdict:
     """May a process of ours keep its pages in memory? Tried in one that ends at once."""
     return _permission(LOCK_PROBE, "for --fifo run as root, or allow `ulimit -l unlimited` (memlock in limits.conf)")
 
 
-def _permission(probe: str, advice: str) -> tuple[str, str, str]:
+def _permission(probe: str, advice: str) -> Verdict:
     refused = subprocess.run([sys.executable, "-I", "-c", probe], capture_output=True, timeout=5.0).returncode
     return "fair" if refused else "good", "refused" if refused else "allowed", advice
 
 
-def pacing() -> tuple[str, str, str]:
-    """The loop's own clock. A tick late by a period is an overrun; a run allows 10, which p99 of 1000 ticks is."""
-    lateness = _lateness(SPIN_NS)
-    state = "good" if lateness.max() < PERIOD_NS else "fair" if np.quantile(lateness, 0.99) < PERIOD_NS else "bad"
-    return (
-        state,
-        _spread(lateness),
-        "end other programs, try --fifo, or run slower: --speed 0.5; lockstep needs no clock",
-    )
-
-
-def sleeping() -> tuple[str, str, str]:
-    """Sleep alone. The loop spins through the last stretch before a tick: sleep must wake within it."""
-    lateness = _lateness(0)
-    median = np.median(lateness)
-    state = "bad" if median > PERIOD_NS else "fair" if np.quantile(lateness, 0.99) > SPIN_NS else "good"
-    return (
-        state,
-        _spread(lateness),
-        f"sleep overshoots the {SPIN_NS / 1e3:.0f} us that are spun: use --fifo, or a kernel"
-        " with high-resolution timers",
-    )
-
-
-def _lateness(spin_ns: int) -> np.ndarray:
-    return np.array([tick.lateness for tick in islice(ticks(PERIOD_NS, spin_ns=spin_ns), TICKS)])
-
-
-def _spread(times_ns: np.ndarray) -> str:
-    p50, p99, p999 = np.quantile(times_ns, [0.5, 0.99, 0.999]) / 1e3
-    return f"p50 {p50:.1f} us, p99 {p99:.0f} us, p99.9 {p999:.0f} us, max {times_ns.max() / 1e3:.0f} us"
-
-
-def loopback() -> tuple[str, str, str]:
-    """Zenoh between two processes. Without a delay a command is in time when it comes within one DAQ period."""
-    try:
-        times = np.array(round_trips(TRIPS))
-    except LinkError as error:
-        return (
-            "bad",
-            str(error),
-            "let programs talk over 127.0.0.1: look at firewall and container; in process runs work",
-        )
-    late = np.quantile(times, 0.99) > PERIOD_NS
-    return (
-        "fair" if late else "good",
-        _spread(times),
-        "commands will come late: end other programs, or allow a loop.delay",
-    )
-
-
-def port() -> tuple[str, str, str]:
+def port() -> Verdict:
     """Is the plant's usual address free?"""
     host, _, number = DEFAULT_ENDPOINT.partition("/")[2].rpartition(":")
     with socket.socket() as probe:
@@ -161,7 +103,7 @@ def port() -> tuple[str, str, str]:
     return "good", f"{DEFAULT_ENDPOINT} is free", ""
 
 
-def disk() -> tuple[str, str, str]:
+def disk() -> Verdict:
     """Room and speed where runs/ is, or would be."""
     folder = next(path for path in (Path("runs").absolute(), *Path("runs").absolute().parents) if path.is_dir())
     room = shutil.disk_usage(folder).free
@@ -183,7 +125,7 @@ def _write_speed(folder: Path) -> float:
     return done / (time.perf_counter() - start)
 
 
-def compile_cache() -> tuple[str, str, str]:
+def compile_cache() -> Verdict:
     """Where compiled code is kept, and is it there already?"""
     folder = cache_directory()
     files = [path for path in folder.rglob("*") if path.is_file()]
@@ -197,7 +139,7 @@ def compile_cache() -> tuple[str, str, str]:
     return "good" if any(path.suffix == ".nbi" for path in files) else "fair", found, COLD
 
 
-LOOKS: dict[str, Callable[[], tuple[str, str, str]]] = {
+LOOKS: dict[str, Callable[[], Verdict]] = {
     "packages": packages,
     "viewer": viewer,
     "processor": processor,

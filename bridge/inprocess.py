@@ -29,9 +29,7 @@ def exchange(plant: PlantSide, controller: ControllerSide, ticks: int, lean: boo
     yield out + controller.answer(plant.measurement) + plant.finish(f"complete after {ticks} ticks")
 
 
-def record_in_process(
-    scenario: Scenario, path: Path, progress: Callable[[int], None] = lambda tick: None
-) -> Recording:
+def record_in_process(scenario: Scenario, path: Path, progress: Callable[[int], None] = lambda tick: None) -> Recording:
     """Run a scenario and record it; returns what the file holds."""
     plant, controller = sides(scenario)
     writer = RecordingWriter(path, scenario.rig_name)

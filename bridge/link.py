@@ -4,6 +4,8 @@ A router, TLS, passwords and access control are configuration: a Zenoh configura
 command line says goes on top.
 """
 
+import json
+import re
 import socket
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +14,7 @@ import zenoh
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 LEASE_MS = 2000
+WAIT_BEFORE_DROP_US = 10_000  # once; from then on a reader that stays stuck costs nothing
 
 
 class LinkError(Exception):
@@ -27,13 +30,21 @@ class Link(NamedTuple):
     patience: float  # seconds to wait for the other side to appear
 
 
-def open_session(link: Link) -> Any:
-    """A Zenoh session. Raises LinkError when the address is taken or nobody answers."""
-    config = _configuration(link)
+def open_session(link: Link, mode: str | None = None) -> Any:
+    """A Zenoh session: peer where it listens, else client, unless `mode` is given.
+
+    Raises LinkError when the address is taken, nobody answers, or the configuration is wrong.
+    """
+    config = _configuration(link, mode)
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise LinkError(_explain(link, str(error))) from None
+        raise LinkError(_explain(link, _reason(error))) from None
+
+
+def names_addresses(file: Path) -> bool:
+    """Does a configuration file say itself where to listen?"""
+    return _base(file).get_json("listen/endpoints") != zenoh.Config().get_json("listen/endpoints")
 
 
 def free_endpoint() -> str:
@@ -43,33 +54,48 @@ def free_endpoint() -> str:
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
 
 
-def _configuration(link: Link) -> Any:
-    try:
-        config = zenoh.Config.from_file(str(link.config)) if link.config else zenoh.Config()
-    except zenoh.ZError as error:
-        raise LinkError(f"{link.config}: {error}") from None
-    config.insert_json5("scouting/multicast/enabled", "false")
-    config.insert_json5("transport/link/tx/lease", str(LEASE_MS))
-    for priority in ("real_time", "data"):  # a burst after an overrun must fit; the default of 2 batches drops it
-        config.insert_json5(f"transport/link/tx/queue/size/{priority}", "16")
+def _configuration(link: Link, mode: str | None) -> Any:
+    config = _base(link.config)
+    if mode or link.listen or link.connect:
+        config.insert_json5("mode", json.dumps(mode or ("peer" if link.listen else "client")))
     if link.listen:
-        config.insert_json5("mode", '"peer"')
-        config.insert_json5("listen/endpoints", f'["{link.listen}"]')
-        config.insert_json5("listen/exit_on_failure", "true")
+        config.insert_json5("listen/endpoints", json.dumps([link.listen]))
+    config.insert_json5("listen/exit_on_failure", "true")
     if link.connect:
-        if not link.listen:
-            config.insert_json5("mode", '"client"')
-        config.insert_json5("connect/endpoints", f'["{link.connect}"]')
+        config.insert_json5("connect/endpoints", json.dumps([link.connect]))
         config.insert_json5("connect/timeout_ms", str(round(link.patience * 1000)))
         config.insert_json5("connect/exit_on_failure", "true")
         config.insert_json5("connect/retry", "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}")
     return config
 
 
+def _base(file: Path | None) -> Any:
+    """What all our sessions share, on top of a configuration file if there is one."""
+    try:
+        config = zenoh.Config.from_file(str(file)) if file else zenoh.Config()
+    except zenoh.ZError as error:
+        raise LinkError(f"{file}: {_reason(error)}") from None
+    config.insert_json5("scouting/multicast/enabled", "false")
+    config.insert_json5("transport/link/tx/lease", str(LEASE_MS))
+    for priority in ("real_time", "data"):  # a burst after an overrun must fit; the default of 2 batches drops it
+        config.insert_json5(f"transport/link/tx/queue/size/{priority}", "16")
+    return config
+
+
+def _reason(error: Exception) -> str:
+    """Zenoh's own words in one line, without the place in its sources that they come from."""
+    return " ".join(re.sub(r" at \S+\.rs:\d+\.?", "", str(error)).split())
+
+
 def _explain(link: Link, error: str) -> str:
     if link.connect:
+        refused = f", or refuses the name, password or certificate in {link.config}" if link.config else ""
         return (
-            f"nobody answers at {link.connect} within {link.patience:g} s: start the plant first, or name its address "
-            f"with --connect ({error})"
+            f"nobody answers at {link.connect} within {link.patience:g} s{refused}: start the plant first, or name its "
+            f"address with --connect, and the password that it may ask for with --zenoh-config ({error})"
         )
-    return f"cannot listen on {link.listen}: another plant may run there; choose another with --listen ({error})"
+    what = link.listen or f"the addresses in {link.config}"
+    return (
+        f"cannot listen on {what}: another plant may run there, or the address is not this machine's; choose another "
+        f"with --listen ({error})"
+    )

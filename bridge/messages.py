@@ -189,10 +189,15 @@ _FORMATS: dict[str, str | None] = {}
 def struct_format(kind: str) -> str | None:
     """The `struct` format of a flat message, header skipped; None for one with strings or arrays."""
     if kind not in _FORMATS:
-        bases = [field[1][1] for field in STORE.fielddefs[kind][1]]
-        codes = [_CODES.get(base[0]) if isinstance(base, tuple) else None for base in bases]
+        codes = [_CODES.get(_base_type(field)) for field in STORE.fielddefs[kind][1]]
         _FORMATS[kind] = None if None in codes or not codes else "<4x" + "".join(c for c in codes if c)
     return _FORMATS[kind]
+
+
+def _base_type(field: Any) -> str:
+    """The name of a field's plain type; of a list or a message, nothing."""
+    described = field[1][1]
+    return described[0] if isinstance(described[0], str) else ""
 
 
 def flat_size(kind: str) -> int | None:
@@ -201,6 +206,10 @@ def flat_size(kind: str) -> int | None:
     return None if layout is None else 4 + 8 * (len(layout) - 3)
 
 
+def _message_class(kind: str) -> Any:
+    return STORE.types[kind]
+
+
 def field_names(kind: str) -> list[str]:
     """The fields of a message type, in order."""
-    return [field.name for field in fields(STORE.types[kind]) if not field.name.startswith("__")]
+    return [field.name for field in fields(_message_class(kind)) if not field.name.startswith("__")]

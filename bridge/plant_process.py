@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from bridge.bus import Bus
 from bridge.clock import Overruns, Stop, prepare, ticks
+from bridge.failure import RunError
 from bridge.host import host, versions
 from bridge.link import Link
 from bridge.messages import LoopTiming, Outgoing
@@ -28,10 +29,6 @@ class PlantOptions(NamedTuple):
     run_id: int
     partners: tuple[str, ...]  # roles to wait for before the clock starts
     patience: float  # seconds to wait for them, and in lockstep for each command
-
-
-class Failure(Exception):
-    """The run cannot go on; the text names who or what, and when."""
 
 
 class Command(NamedTuple):
@@ -64,10 +61,10 @@ class PlantProcess:
         bus.announce()
 
     def run(self) -> str:
-        """Run to the end; returns what ended it. Raises Failure when a partner does not come or does not answer."""
+        """Run to the end; returns what ended it. Raises RunError when a partner does not come or does not answer."""
         missing = self.bus.await_roles(self.options.partners, self.options.patience, self.stop)
         if missing and not self.stop():
-            raise Failure(f"no {' and no '.join(missing)} within {self.options.patience:g} s of the start")
+            raise RunError(f"no {' and no '.join(missing)} within {self.options.patience:g} s of the start")
         if self.options.mode == "lockstep":
             self._lockstep()
         else:
@@ -96,7 +93,7 @@ class PlantProcess:
                 self._handle(self._commands.get(timeout=0.1))
             except queue.Empty:
                 if time.monotonic() > deadline:
-                    raise Failure(self._silence(stamp)) from None
+                    raise RunError(self._silence(stamp)) from None
 
     def _silence(self, stamp: int) -> str:
         refused = sum(self.side.gate.refused.values())
@@ -213,14 +210,14 @@ class PlantProcess:
 
 
 def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> str:
-    """Run a plant to its end. Raises Failure or LinkError with one line for people."""
+    """Run a plant to its end. Raises RunError or LinkError with one line for people."""
     stop = Stop()
     notes = prepare(options.fifo)
     with Bus(link, scenario.rig_name, "plant", blocking=options.mode == "lockstep") as bus:
         process = PlantProcess(bus, scenario, options, notes, stop)
         try:
             ending = process.run()
-        except Failure as failure:
+        except RunError as failure:
             process.close(f"failed: {failure}", partners=("recorder",))
             raise
         process.close(ending)

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 from bridge.bus import Bus
 from bridge.clock import Stop
+from bridge.failure import RunError
 from bridge.link import Link
 from bridge.messages import TOPICS, decode
-from bridge.plant_process import Failure
 from bridge.recording.order import Order
 from bridge.recording.reader import read
 from bridge.recording.writer import RecordingWriter
@@ -46,10 +46,12 @@ class RecorderProcess:
         bus.watch()
 
     def run(self) -> Path:
-        """Record until the plant has ended or is gone. Raises Failure when no plant answers."""
+        """Record until the plant has ended or is gone. Raises RunError when no plant answers."""
         manifest = self.bus.ask("scenario", self.patience, self.stop)
         if manifest is None:
-            raise Failure(f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig")
+            raise RunError(
+                f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig"
+            )
         file = OpenFile(self.path, json.loads(manifest))
         self.bus.announce()
         while not self.stop() and not self._over(file):
@@ -182,7 +184,7 @@ class OpenFile:
 
 
 def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool) -> Path:
-    """Record a rig until its plant ends; returns the last file. Raises Failure or LinkError with one line."""
+    """Record a rig until its plant ends; returns the last file. Raises RunError or LinkError with one line."""
     stop = Stop()
     with Bus(link, rig_name, "recorder", blocking=blocking) as bus:
         return RecorderProcess(bus, path, link.patience, stop).run()

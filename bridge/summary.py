@@ -28,7 +28,9 @@ def summarise(recording: Recording, scenario: Scenario, losses: dict[str, int]) 
         "commands": _commands(recording, events),
         "safe_states": sum(event.kind == "safe" for event in events),
         "lost": losses,
-        "messages": {topic: sum(1 for _ in recording.of(topic)) for topic in sorted({e.topic for e in recording.entries})},
+        "messages": {
+            topic: sum(1 for _ in recording.of(topic)) for topic in sorted({e.topic for e in recording.entries})
+        },
     }
     return _plain(result)
 
@@ -90,7 +92,9 @@ def _commands(recording: Recording, events: list[Any]) -> dict[str, Any]:
     for status in recording.messages("status"):
         if status.role == "plant":
             values = dict(zip(status.names, status.values, strict=True))
-            refused = {name.removeprefix("refused/"): int(v) for name, v in values.items() if name.startswith("refused/")}
+            refused = {
+                name.removeprefix("refused/"): int(v) for name, v in values.items() if name.startswith("refused/")
+            }
     if not refused:
         for event in events:
             if event.kind == "refused":

@@ -78,6 +78,7 @@ class Supervisor:
         self.children: list[Child] = []
         self._heard = time.monotonic()
         self._started = False
+        self._noted: list[Child] = []
         self._plant_over: float | None = None
         self._asked_to_stop: float | None = None
 
@@ -91,7 +92,6 @@ class Supervisor:
             finally:
                 for child in self.children:
                     child.end()
-            self._collect_faults()
         return self.faults
 
     def _start(self, folder: Path, endpoint: str) -> None:
@@ -147,23 +147,26 @@ class Supervisor:
 
     def _over(self) -> bool:
         now = time.monotonic()
+        self._note_faults()
         if all(child.ended() for child in self.children):
             return True
-        if self._failed() and self._plant_over is None:
-            return True
-        if self.stop() and self._asked_to_stop is None:
+        if self._asked_to_stop is not None:
+            return now - self._asked_to_stop > FAREWELL and self._name_the_slow()
+        if self.stop() or (self.faults and not self._plant_over):
             return self._ask_to_stop(now)
-        if self._asked_to_stop is not None and now - self._asked_to_stop > FAREWELL:
-            return True
         if self._plant_over is not None:
-            return self._too_slow(now)
+            return now - self._plant_over > FAREWELL and self._name_the_slow()
         return self._silent(now)
 
-    def _failed(self) -> bool:
-        """Has a process died that the run cannot do without? The plant's own failure lets the others finish."""
-        return any(child.fault() for child in self.children)
+    def _note_faults(self) -> None:
+        """Take down each failed process once, before any is ended by us."""
+        for child in self.children:
+            if child not in self._noted and (fault := child.fault()):
+                self._noted.append(child)
+                self.faults.append(fault)
 
     def _ask_to_stop(self, now: float) -> bool:
+        """Let the plant end the run, so that the recording closes well; True when it has not begun one yet."""
         self._asked_to_stop = now
         plant = self.children[0]
         if not self._started or plant.ended():
@@ -171,11 +174,10 @@ class Supervisor:
         plant.process.send_signal(signal.SIGINT)
         return False
 
-    def _too_slow(self, now: float) -> bool:
-        if now - (self._plant_over or now) < FAREWELL:
-            return False
-        late = [child for child in self.children if not child.ended()]
-        self.faults += [f"the {child.role} (pid {child.process.pid}) did not finish: silent" for child in late]
+    def _name_the_slow(self) -> bool:
+        for child in self.children:
+            if not child.ended():
+                self.faults.append(f"the {child.role} (pid {child.process.pid}) did not finish: silent")
         return True
 
     def _silent(self, now: float) -> bool:
@@ -186,11 +188,3 @@ class Supervisor:
         what = "has said nothing" if self._started else "has not started"
         self.faults.append(f"the plant (pid {plant.process.pid}) {what} for {patience:g} s")
         return True
-
-    def _collect_faults(self) -> None:
-        named = " ".join(self.faults)
-        for child in self.children:
-            fault = child.fault()
-            if fault and child.role not in named and not fault.endswith("SIGKILL"):
-                self.faults.append(fault)
-

@@ -35,7 +35,9 @@ UNITS: dict[str, dict[str, Unit]] = {
     "": {"": Unit(1.0), "%": Unit(1e-2)},
 }
 UNITS["1/s"] = UNITS["Hz"]
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?|inf(?:inity)?))\s*(.*?)\s*", re.IGNORECASE)
+_NUMBER = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?|inf(?:inity)?))\s*(.*?)\s*", re.IGNORECASE
+)
 
 
 def split(text: str) -> tuple[float, str]:

@@ -60,23 +60,14 @@ def test_the_gain_lives_in_the_controller_process_alone(folder):
         endpoint = _endpoint()
         common = ("--mode", "lockstep")
         changes = ("--set", "duration=1.5", "--run-id", "77", "--await", "recorder", "--await", "controller")
-        with started("plant", "step", *common, "--listen", endpoint, *changes) as plant:
-            with (
-                started("record", "-o", str(path), *common, "--connect", endpoint) as recorder,
-                started(
-                    "controller",
-                    "step",
-                    *common,
-                    "--connect",
-                    endpoint,
-                    "--source",
-                    "5",
-                    "--set",
-                    f"controller.gain={gain}",
-                ),
-            ):
-                assert plant.wait(60) == 0
-                assert recorder.wait(20) == 0
+        controller = ("controller", "step", *common, "--connect", endpoint, "--source", "5")
+        with (
+            started("plant", "step", *common, "--listen", endpoint, *changes) as plant,
+            started("record", "-o", str(path), *common, "--connect", endpoint) as recorder,
+            started(*controller, "--set", f"controller.gain={gain}"),
+        ):
+            assert plant.wait(60) == 0
+            assert recorder.wait(20) == 0
         digests.append(digest(path))
     assert digests[0]["state"] != digests[1]["state"]
     assert digests[0]["command"] != digests[1]["command"]

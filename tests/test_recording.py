@@ -3,6 +3,7 @@
 import random
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def test_a_reader_that_is_not_ours_reads_every_message(recording):
     with AnyReader([recording.path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
         positions, count = [], 0
         for connection, _, raw in reader.messages():
-            message = reader.deserialize(raw, connection.msgtype)
+            message: Any = reader.deserialize(raw, connection.msgtype)
             count += 1
             if connection.topic == "rig/measurement":
                 positions.append(message.position)

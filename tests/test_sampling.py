@@ -1,5 +1,7 @@
 """The grid of times, and the hold on it."""
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -76,5 +78,5 @@ def test_segments_tile_the_time_without_gaps(commands, block):
         hold.put(at, value)
     segments = [s for begin in range(0, 1000, block) for s in hold.segments(begin, begin + block)]
     assert segments[0].begin == 0
-    assert all(a.end == b.begin for a, b in zip(segments, segments[1:], strict=False))
+    assert all(a.end == b.begin for a, b in pairwise(segments))
     assert all(s.begin < s.end for s in segments)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from bridge.bands import METRIC_UNITS, parse_band
 from bridge.scenario import Scenario, ScenarioError, check, load, names
 from bridge.units import UNITS, quantity
+from controller.reference import evaluate
 from twin.rig import RIG
 
 
@@ -88,7 +89,7 @@ def test_a_table_is_read_from_beside_the_scenario(tmp_path):
     (tmp_path / "own.toml").write_text('[reference]\nkind = "table"\ncsv = "way.csv"\n')
     scenario = load(str(tmp_path / "own.toml"))
     assert scenario.name == "own"
-    assert scenario.reference.reference().values == (0.1, 0.2)
+    assert evaluate(scenario.reference.reference(), 0.5).position == pytest.approx(0.15)
 
 
 def test_broken_toml_and_missing_tables_are_told(tmp_path):

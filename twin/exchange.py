@@ -29,9 +29,7 @@ def exchange(
 
 
 @kernel
-def _end_flow(
-    up: float, down: float, z_up: float, z_down: float, a: float, b: float, vapour_pressure: float
-) -> float:
+def _end_flow(up: float, down: float, z_up: float, z_down: float, a: float, b: float, vapour_pressure: float) -> float:
     """Q with a Q|Q| + b Q = max(p_v, up - z_up Q) - max(p_v, down + z_down Q).
 
     The left side rises and the right side falls with Q, so there is one answer. Oil never runs towards the higher
@@ -45,4 +43,3 @@ def _end_flow(
     if down > vapour_pressure:
         return quadratic_flow(vapour_pressure - down, a, b + z_down)
     return 0.0
-

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core import config
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -31,8 +32,8 @@ def cache_directory() -> Path:
     return directory
 
 
-if not numba.config.CACHE_DIR:
-    numba.config.CACHE_DIR = str(cache_directory())
+if not config.CACHE_DIR:  # pyright: ignore[reportAttributeAccessIssue]
+    config.CACHE_DIR = str(cache_directory())  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def kernel(function: F) -> F:

@@ -189,9 +189,7 @@ def _pump(pump: Mapping[str, float]) -> Pump:
 
 
 def _relief(valve: Mapping[str, float]) -> Relief:
-    return relief(
-        valve["setting"], valve["setting_flow"], valve["override"], valve["pilot_band"], valve["pilot_flow"]
-    )
+    return relief(valve["setting"], valve["setting_flow"], valve["override"], valve["pilot_band"], valve["pilot_flow"])
 
 
 def _valve(valve: Mapping[str, float], oil: Oil, step: float) -> SpoolValve:

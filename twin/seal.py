@@ -23,7 +23,7 @@ class Seal(NamedTuple):
 
 def seal(alpha: float, beta: float, limit: float, width: float, perimeter: float, viscosity: float) -> Seal:
     """A seal; the end of its plateau follows from the power law."""
-    plateau = (limit / alpha) ** (1.0 / beta) if limit > 0.0 else math.inf
+    plateau = math.exp(min(700.0, math.log(limit / alpha) / beta)) if limit > 0.0 else math.inf
     return Seal(alpha, beta, limit, width, perimeter, viscosity, plateau)
 
 

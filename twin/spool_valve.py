@@ -40,9 +40,7 @@ def _system(natural_frequency: float, damping: float):
 
 
 @kernel
-def move_spool(
-    position: float, speed: float, reference: float, valve: SpoolValve, step: float
-) -> tuple[float, float]:
+def move_spool(position: float, speed: float, reference: float, valve: SpoolValve, step: float) -> tuple[float, float]:
     """Spool position and speed a step later. The rate limit caps the travel of the step, the stops end it at rest."""
     away = position - reference
     target = reference + valve.position_from_position * away + valve.position_from_speed * speed

@@ -1,15 +1,21 @@
-"""The command `hydrotwin`: one verb a file, grouped by what they are for."""
+"""The command `hydrotwin`: one verb a function, grouped by what they are for."""
 
 import sys
-
-from bridge.cli.app import app
 
 
 def main() -> None:
     """Run the command line; mistakes of the user get one line each and no traceback."""
-    from bridge.cli import inspect, processes, running  # noqa: F401  they register their verbs
+    try:
+        _run()
+    except KeyboardInterrupt:
+        _complain("interrupted")
+        sys.exit(1)
+
+
+def _run() -> None:
+    from bridge.cli.verbs import app
+    from bridge.failure import RunError
     from bridge.link import LinkError
-    from bridge.plant_process import Failure
     from bridge.scenario import ScenarioError
 
     try:
@@ -17,7 +23,7 @@ def main() -> None:
     except ScenarioError as error:
         _complain(str(error))
         sys.exit(2)
-    except (Failure, LinkError) as error:
+    except (RunError, LinkError) as error:
         _complain(str(error))
         sys.exit(1)
 

@@ -5,12 +5,11 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, LOOK, app, print_json
+from bridge.cli.app import AS_JSON, print_json
 
 FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
 
 
-@app.command(rich_help_panel=LOOK)
 def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap.")], as_json: AS_JSON = False) -> None:
     """Print one hash per data channel; with several files, say whether they are the same."""
     from bridge.cli.report import print_table
@@ -29,7 +28,6 @@ def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap."
     raise typer.Exit(0 if all(same.values()) else 1)
 
 
-@app.command(rich_help_panel=LOOK)
 def messages(as_json: AS_JSON = False) -> None:
     """Print every key, type, rate, `.msg` text and `struct` format."""
     from bridge.cli.report import print_table
@@ -52,7 +50,6 @@ def messages(as_json: AS_JSON = False) -> None:
     print("\nPayloads are CDR, little endian: 4 bytes of header (00 01 00 00), then the fields in order.")
 
 
-@app.command(rich_help_panel=LOOK)
 def figure(
     name: Annotated[str, typer.Argument(help="Name of a figure, such as 2.4.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for NAME.png and NAME.csv.")] = Path(),
@@ -72,7 +69,6 @@ def figure(
         print("\n".join(str(path) for path in paths))
 
 
-@app.command(rich_help_panel=LOOK)
 def figures(as_json: AS_JSON = False) -> None:
     """List the figures."""
     from bridge.cli.report import print_table
@@ -85,7 +81,6 @@ def figures(as_json: AS_JSON = False) -> None:
         print_table(("name", "title"), rows)
 
 
-@app.command(rich_help_panel=LOOK)
 def view(
     file: FILE,
     web: Annotated[bool, typer.Option("--web", help="Serve it to a browser instead of opening a window.")] = False,
@@ -97,7 +92,6 @@ def view(
     show(file, web, save)
 
 
-@app.command(rich_help_panel=LOOK)
 def doctor(as_json: AS_JSON = False) -> None:
     """Look at this machine: can it run the loop, and how punctually?"""
     from bridge.cli.report import print_table
@@ -108,5 +102,7 @@ def doctor(as_json: AS_JSON = False) -> None:
         print_json([finding._asdict() for finding in findings])
     else:
         marks = {"good": "[green]good[/green]", "fair": "[yellow]fair[/yellow]", "bad": "[red]bad[/red]"}
-        print_table(("", "what", "found", "what to do"), [(marks[f.state], f.what, f.found, f.advice) for f in findings])
+        print_table(
+            ("", "what", "found", "what to do"), [(marks[f.state], f.what, f.found, f.advice) for f in findings]
+        )
     raise typer.Exit(1 if any(finding.state == "bad" for finding in findings) else 0)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import CHANGES, PROCESSES, SCENARIO, ProcessMode, app
+from bridge.cli.app import CHANGES, SCENARIO, ProcessMode
 
 CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.")]
 CONFIG = Annotated[
@@ -25,7 +25,6 @@ def _supervised(yes: bool) -> None:
         die_with_parent()
 
 
-@app.command(rich_help_panel=PROCESSES)
 def plant(
     scenario: SCENARIO = "step",
     changes: CHANGES = None,
@@ -34,9 +33,12 @@ def plant(
     listen: Annotated[str | None, typer.Option(help=f"Address to listen on.  [default: {ENDPOINT}]")] = None,
     connect: Annotated[str | None, typer.Option(help="Connect to a router instead of listening.")] = None,
     zenoh_config: CONFIG = None,
-    run_id: Annotated[int | None, typer.Option(help="Identity of the run. [default: random]", show_default=False)] = None,
+    run_id: Annotated[
+        int | None, typer.Option(help="Identity of the run. [default: random]", show_default=False)
+    ] = None,
     partners: Annotated[
-        list[str] | None, typer.Option("--await", metavar="ROLE", help="controller or recorder: start once it is there.")
+        list[str] | None,
+        typer.Option("--await", metavar="ROLE", help="controller or recorder: start once it is there."),
     ] = None,
     patience: Annotated[float, typer.Option(help="Seconds to wait for partners, and in lockstep for commands.")] = 10.0,
     fifo: FIFO = False,
@@ -73,7 +75,6 @@ def refuse_fast_daq(scenario, speed: float) -> None:
         )
 
 
-@app.command(rich_help_panel=PROCESSES)
 def controller(
     scenario: SCENARIO = "step",
     changes: CHANGES = None,
@@ -81,7 +82,9 @@ def controller(
     mode: MODE = ProcessMode.realtime,
     connect: CONNECT = ENDPOINT,
     zenoh_config: CONFIG = None,
-    source: Annotated[int | None, typer.Option(help="Identity of this controller. [default: random]", show_default=False)] = None,
+    source: Annotated[
+        int | None, typer.Option(help="Identity of this controller. [default: random]", show_default=False)
+    ] = None,
     patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
     fifo: FIFO = False,
     supervised: SUPERVISED = False,
@@ -103,9 +106,11 @@ def controller(
     run_controller(checked, link, mode.value, fresh() if source is None else source, fifo)
 
 
-@app.command(rich_help_panel=PROCESSES)
 def record(
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write. [default: runs/RIG-TIME.mcap]", show_default=False)] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write. [default: runs/RIG-TIME.mcap]", show_default=False),
+    ] = None,
     rig: Annotated[str, typer.Option(help="Name of the rig to record.")] = "rig",
     mode: MODE = ProcessMode.realtime,
     connect: CONNECT = ENDPOINT,
@@ -123,7 +128,6 @@ def record(
     print(f"hydrotwin: recorded {run_recorder(path, rig, link, mode == ProcessMode.lockstep)}")
 
 
-@app.command(rich_help_panel=PROCESSES)
 def router(
     listen: Annotated[str, typer.Option(help="Address to listen on.")] = "tcp/0.0.0.0:7447",
     zenoh_config: CONFIG = None,
@@ -134,7 +138,6 @@ def router(
     run_router(listen, zenoh_config)
 
 
-@app.command(rich_help_panel=PROCESSES)
 def reset(
     rig: Annotated[str, typer.Option(help="Name of the rig.")] = "rig",
     connect: CONNECT = ENDPOINT,

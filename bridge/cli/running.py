@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from bridge.cli.app import AS_JSON, CHANGES, LOOK, RUN, SCENARIO, Mode, app, print_json
+from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, Mode, print_json
 
 RECORD = Annotated[
     Path | None,
@@ -15,7 +15,6 @@ RECORD = Annotated[
 ]
 
 
-@app.command(rich_help_panel=RUN)
 def run(
     scenario: SCENARIO,
     mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.realtime,
@@ -32,7 +31,9 @@ def run(
     listen: Annotated[
         str | None, typer.Option(help="The plant's address. [default: a free one on loopback]", show_default=False)
     ] = None,
-    patience: Annotated[float, typer.Option(help="Seconds the plant waits for a partner or a lockstep command.")] = 10.0,
+    patience: Annotated[
+        float, typer.Option(help="Seconds the plant waits for a partner or a lockstep command.")
+    ] = 10.0,
 ) -> None:
     """Run a scenario and leave a recording, a picture and a summary.
 
@@ -68,7 +69,6 @@ def _changes(changes: list[str] | None, duration: str | None, seed: int | None) 
     return [*(changes or []), *own, *([f"seed={seed}"] if seed is not None else [])]
 
 
-@app.command(rich_help_panel=RUN)
 def check(
     scenarios: Annotated[list[str], typer.Argument(metavar="SCENARIO...", help="Names or TOML files.")],
     mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.inprocess,
@@ -93,7 +93,6 @@ def check(
     raise typer.Exit(0 if all(result.passed for result in results) else 1)
 
 
-@app.command(rich_help_panel=LOOK)
 def scenarios(as_json: AS_JSON = False) -> None:
     """List the built-in scenarios."""
     from bridge.cli.report import print_table
@@ -107,7 +106,6 @@ def scenarios(as_json: AS_JSON = False) -> None:
         print_table(keys, rows)
 
 
-@app.command(rich_help_panel=LOOK)
 def schema() -> None:
     """Print the JSON schema of scenario files, for editors."""
     from bridge.scenario import Scenario

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.figures.canvas import Array
-from bridge.scenario import Daq
+from bridge.scenario.model import Daq
 from twin.block import flatten, record, run_block
 from twin.circuit import Circuit
 from twin.equilibrium import equilibrium

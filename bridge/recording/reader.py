@@ -78,7 +78,7 @@ def read(path: Path) -> Recording:
             if file.read(8) != b"\x89MCAP0\r\n":
                 raise ScenarioError(f"{path}: not an MCAP file")
             file.seek(0)
-            for record in StreamReader(ReadDataStream(file), emit_chunks=True).records:
+            for record in StreamReader(file, emit_chunks=True).records:
                 if isinstance(record, Channel):
                     channels[record.id] = _below_rig(record.topic)
                 elif isinstance(record, Chunk):

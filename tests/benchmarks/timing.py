@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import zenoh
@@ -40,7 +41,12 @@ def rows(folder: Path) -> Iterator[Row]:
         yield f"lateness of the ticks, {name}", *_compare(ours, beside, "timer test beside it")
     overruns = summary["timing"]["overruns"]
     commands = summary["commands"]
-    yield "overruns; late commands", f"{overruns['count']} of {SECONDS}000; {commands['late']} of {commands['sent']}", "", ""
+    yield (
+        "overruns; late commands",
+        f"{overruns['count']} of {SECONDS}000; {commands['late']} of {commands['sent']}",
+        "",
+        "",
+    )
     pings = ping_pong()
     for name, q in (("p50", 50.0), ("p99", 99.0), ("p99.9", 99.9)):
         ours, beside = summary["timing"]["round_trip"][name], float(np.percentile(pings, q))
@@ -63,8 +69,10 @@ def ping_pong() -> NDArray[np.float64]:
         ear = zenoh.handlers.Callback(lambda sample: back.append(time.monotonic_ns()), indirect=False)
         subscriber = session.declare_subscriber("pong", ear)
         publisher = session.declare_publisher("ping", express=True, priority=zenoh.Priority.REAL_TIME)
-        while not publisher.matching_status.matching:
+        status: Any = publisher.matching_status
+        while not status.matching:
             time.sleep(0.05)
+            status = publisher.matching_status
         trips = list(_trips(publisher, back))
         subscriber.undeclare()
         return np.array(trips)
@@ -98,7 +106,11 @@ def _open(mode: str, side: str, endpoint: str):
 def _echo(endpoint: str) -> None:
     session = _open("client", "connect", endpoint)
     publisher = session.declare_publisher("pong", express=True, priority=zenoh.Priority.REAL_TIME)
-    answer = zenoh.handlers.Callback(lambda sample: publisher.put(sample.payload), indirect=False)
+
+    def on_ping(sample: Any) -> None:
+        publisher.put(sample.payload)
+
+    answer = zenoh.handlers.Callback(on_ping, indirect=False)
     subscriber = session.declare_subscriber("ping", answer)
     time.sleep(60.0)
     subscriber.undeclare()

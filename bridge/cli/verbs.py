@@ -1,0 +1,22 @@
+"""All verbs, registered with the application in the order in which help shows them."""
+
+from bridge.cli import inspect, processes, running
+from bridge.cli.app import LOOK, PROCESSES, RUN, app
+
+PANELS = {
+    RUN: (running.run, running.check),
+    LOOK: (
+        running.scenarios,
+        running.schema,
+        inspect.view,
+        inspect.digest,
+        inspect.messages,
+        inspect.figures,
+        inspect.figure,
+        inspect.doctor,
+    ),
+    PROCESSES: (processes.plant, processes.controller, processes.record, processes.router, processes.reset),
+}
+for _panel, _verbs in PANELS.items():
+    for _verb in _verbs:
+        app.command(rich_help_panel=_panel)(_verb)

@@ -1,0 +1,77 @@
+"""Fields of scenarios that take a number in SI, or text with a unit."""
+
+import difflib
+import math
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from bridge.units import UNITS, quantity, split
+
+
+class Part(BaseModel):
+    """Base of all sections: unknown keys are errors, nothing changes after loading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings")
+
+
+class Worded:
+    """What stands in an Annotated field: reads the value before pydantic does, and describes itself."""
+
+    description = ""
+
+    def read(self, value: object) -> Any:
+        """The value as it is kept; ValueError says what would fit."""
+        raise NotImplementedError
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": self.description}
+
+
+class Measured(Worded):
+    """A quantity with a unit."""
+
+    def __init__(self, unit: str) -> None:
+        self.unit = unit
+        units = ", ".join(filter(None, UNITS[unit]))
+        self.description = f"a number in {unit or 'parts of one'}, or text with a unit: {units}"
+
+    def read(self, value: object) -> float:
+        """In SI. Only a resistance may be infinite: there it means that nothing passes."""
+        number = quantity(value, self.unit)
+        if math.isnan(number) or (math.isinf(number) and self.unit != "Pa s/m^3"):
+            raise ValueError(f"{number} is no finite number")
+        return number
+
+
+class Gain(Worded):
+    """A gain, kept as text: what volts per % are in SI depends on the rig."""
+
+    def __init__(self, volts: str, si: str) -> None:
+        self.volts = volts
+        self.units = (volts, si)
+        self.description = f"a number in {volts}, or text with a unit: {volts}, {si}"
+
+    def read(self, value: object) -> str:
+        """The number with its unit."""
+        number, unit = (float(value), "") if isinstance(value, int | float) else split(str(value))
+        unit = unit or self.volts
+        if unit not in self.units:
+            near = difflib.get_close_matches(unit, self.units, n=1, cutoff=0.0)[0]
+            valid = ", ".join(self.units)
+            raise ValueError(f"{value!r}: unit {unit!r} does not fit here; nearest: {near!r} (valid: {valid})")
+        return f"{number!r} {unit}"
+
+
+Seconds = Annotated[float, Measured("s")]
+Metres = Annotated[float, Measured("m")]
+Speed = Annotated[float, Measured("m/s")]
+Hertz = Annotated[float, Measured("Hz")]
+Pressure = Annotated[float, Measured("Pa")]
+Fraction = Annotated[float, Measured("")]
+ProportionalGain = Annotated[str, Gain("V/%", "1/m")]
+DerivativeGain = Annotated[str, Gain("V s/%", "s/m")]

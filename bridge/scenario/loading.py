@@ -1,0 +1,133 @@
+"""Scenario files: found, read, changed from the command line, and checked with one line per mistake."""
+
+import difflib
+import json
+import tomllib
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from bridge.scenario import references
+from bridge.scenario.model import Scenario
+
+
+class ScenarioError(Exception):
+    """A scenario that cannot be used; its text has one line per mistake."""
+
+
+def names() -> list[str]:
+    """The built-in scenarios."""
+    return sorted(path.name.removesuffix(".toml") for path in _built_in().iterdir() if path.name.endswith(".toml"))
+
+
+def _built_in():
+    return resources.files("bridge.scenario") / "built_in"
+
+
+def load(which: str, changes: list[str] | None = None) -> Scenario:
+    """A built-in scenario by name, or a TOML (or JSON) file by path, with changes such as "controller.gain=0.4".
+
+    Raises ScenarioError with one line per mistake.
+    """
+    text, folder = _source(which)
+    try:
+        data = json.loads(text) if which.endswith(".json") else tomllib.loads(text)
+    except ValueError as error:
+        raise ScenarioError(f"{which}: cannot be read: {error}") from None
+    data.setdefault("name", Path(which).stem)
+    for change in changes or []:
+        _apply(data, change)
+    return check(_with_tables(data, folder), which)
+
+
+def check(data: dict[str, Any], which: str) -> Scenario:
+    """The scenario that plain data describe. Raises ScenarioError with one line per mistake."""
+    try:
+        return Scenario.model_validate(data)
+    except ValidationError as error:
+        raise ScenarioError("\n".join(f"{which}: {line}" for line in _lines(error))) from None
+
+
+def _source(which: str) -> tuple[str, Path]:
+    if which in names():
+        return (_built_in() / f"{which}.toml").read_text(), Path()
+    path = Path(which)
+    if path.is_file():
+        return path.read_text(), path.parent
+    near = difflib.get_close_matches(which, names(), n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    raise ScenarioError(f"{which}: no such scenario or file; {hint}built in: {', '.join(names())}")
+
+
+def _with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """A reference's CSV file is read here, so that the scenario carries all it needs."""
+    reference = data.get("reference")
+    if isinstance(reference, dict) and isinstance(name := reference.get("csv"), str) and "\n" not in name:
+        path = folder / name
+        if not path.is_file():
+            raise ScenarioError(f"reference.csv: no file {str(path)!r}")
+        return data | {"reference": reference | {"csv": path.read_text()}}
+    return data
+
+
+def _apply(data: dict[str, Any], change: str) -> None:
+    key, sign, text = change.partition("=")
+    if not sign or not key.strip():
+        raise ScenarioError(f"{change!r} is no change; write section.name=value, such as controller.gain=0.4")
+    *path, last = key.strip().split(".")
+    for name in path:
+        data = data.setdefault(name, {})
+        if not isinstance(data, dict):
+            raise ScenarioError(f"{change!r}: {name!r} is a value, not a section")
+    try:
+        data[last] = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        data[last] = text.strip()
+
+
+def _lines(error: ValidationError) -> Iterator[str]:
+    for entry in error.errors():
+        place = [str(part) for part in entry["loc"]]
+        kind, context = entry["type"], entry.get("ctx", {})
+        where = ".".join(part for part in place if part not in REFERENCES)
+        if kind == "extra_forbidden":
+            yield f"{where}: unknown key{_near_key(place)}"
+        elif kind == "value_error":
+            yield f"{where}: {context['error']}" if where else str(context["error"])
+        elif kind in LIMITS:
+            limit = context[LIMITS[kind][1]]
+            nearest = "any beyond it" if kind in ("greater_than", "less_than") else limit
+            yield f"{where}: {entry['input']!r} must be {LIMITS[kind][0]} {limit}; nearest valid: {nearest}"
+        elif kind in ("literal_error", "union_tag_invalid"):
+            valid = str(context.get("expected") or context.get("expected_tags"))
+            words = [word.strip(" '") for word in valid.replace(" or ", ",").split(",")]
+            given = str(context.get("tag", entry["input"]))
+            near = difflib.get_close_matches(given, words, n=1, cutoff=0.0)
+            yield f"{where}: {given!r} is unknown; nearest: {near[0]!r} (valid: {', '.join(words)})"
+        else:
+            yield f"{where}: {entry['msg'].lower()} (got {entry['input']!r})"
+
+
+LIMITS = {
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
+}
+REFERENCES = {"constant", "step", "square", "ramp", "sine", "chirp", "table"}
+
+
+def _near_key(place: list[str]) -> str:
+    model: Any = Scenario
+    for name in place[:-1]:
+        if name in REFERENCES and model is None:
+            model = getattr(references, name.capitalize())
+        else:
+            field = model.model_fields.get(name) if model else None
+            model = field.annotation if field is not None and hasattr(field.annotation, "model_fields") else None
+    valid = list(model.model_fields) if model else []
+    near = difflib.get_close_matches(place[-1], valid, n=1, cutoff=0.0)
+    return f"; did you mean {near[0]!r}? (valid: {', '.join(valid)})" if near else ""

@@ -1,0 +1,169 @@
+"""The sections of a scenario, and the scenario: what is simulated, controlled and expected."""
+
+import difflib
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, create_model, model_validator
+
+from bridge.bands import parse_band
+from bridge.scenario.fields import (
+    DerivativeGain,
+    Fraction,
+    Measured,
+    Metres,
+    Part,
+    Pressure,
+    ProportionalGain,
+    Seconds,
+    Speed,
+)
+from bridge.scenario.references import Reference
+from controller.law import LAWS
+from controller.sampling import NS, Sampling, sampling
+from twin.rig import RIG, Number, build, numbers
+
+
+class Start(Part):
+    """Where the piston waits, at rest with the valve shut."""
+
+    position: Metres = Field(default=0.1, description="piston [m], from the lower end")
+
+
+class Loop(Part):
+    """The time grid, and what happens when commands stop."""
+
+    step: Seconds = Field(default=50e-6, gt=0.0, description="internal step; divides the DAQ period")
+    daq_period: Seconds = Field(default=1e-3, gt=0.0, description="from measurement to measurement")
+    sample_period: Seconds = Field(default=10e-3, gt=0.0, description="of the controller, whole DAQ periods")
+    offset: Seconds = Field(default=0.0, ge=0.0, description="of the first sample, whole DAQ periods")
+    delay: Seconds = Field(default=0.0, ge=0.0, description="from sample to action, whole internal steps")
+    command_timeout: Seconds = Field(default=0.1, gt=0.0, description="silence after which the valve is centred")
+    after_timeout: Literal["latch", "resume"] = Field(
+        default="latch", description="stay safe until reset, or until commands resume"
+    )
+    viewer_period: Seconds = Field(default=20e-3, gt=0.0, description="of the standard messages for viewers")
+
+    def grid(self) -> Sampling:
+        """The same in nanoseconds; ValueError for what is off the grid."""
+        return sampling(self.step, self.daq_period, self.sample_period, self.offset, self.delay)
+
+
+def _known_law(name: str) -> str:
+    if name in LAWS or ":" in name:
+        return name
+    near = difflib.get_close_matches(name, LAWS, n=1, cutoff=0.0)[0]
+    raise ValueError(f"law {name!r} is unknown; nearest: {near!r} (valid: {', '.join(LAWS)}, or module:function)")
+
+
+class Controller(Part):
+    """The control law and its gains."""
+
+    law: Annotated[str, AfterValidator(_known_law)] = Field(
+        default="pd", description="pd, relay, open-loop, module:function"
+    )
+    gain: ProportionalGain = Field(default="1.0 V/%", description="proportional, on the position error")
+    derivative: DerivativeGain = Field(default="0.0 V s/%", description="on the piston's velocity")
+    velocity: Literal["measured", "backward", "filtered"] = Field(
+        default="measured", description="how the velocity is got"
+    )
+    filter_time: Seconds = Field(default=20e-3, ge=0.0, description="lag of the filtered difference")
+    limit: Fraction = Field(default=1.0, gt=0.0, le=1.0, description="saturation of the spool reference")
+    compensate_overlap: bool = Field(default=True, description="jump over the dead band of the valve's lands")
+
+
+class Daq(Part):
+    """The data acquisition card; each of its effects can be switched off."""
+
+    bits: float = Field(default=12.0, ge=1.0, le=32.0, description="2.2.2")
+    position_range: Metres = Field(default=0.3, gt=0.0, description="0 to this, 2.2.2")
+    velocity_range: Speed = Field(default=1.0, gt=0.0, description="+- this, tachometer, assumed")
+    pressure_range: Pressure = Field(default=250e5, gt=0.0, description="0 to this, assumed")
+    noise: float = Field(default=0.5, ge=0.0, description="LSB rms, assumed; 0 for none")
+    skew: Seconds = Field(default=5e-6, ge=0.0, description="from channel to channel, 2.2.2; 0 for none")
+    quantise: bool = True
+    clip: bool = True
+    tachometer: bool = True
+
+
+class RealTime(Part):
+    """When a real-time run counts as failed."""
+
+    overruns: int = Field(default=100, ge=0, description="how many late ticks are allowed")
+    length: Seconds = Field(default=100e-3, ge=0.0, description="how late one may be")
+    grace: Seconds = Field(default=0.5, ge=0.0, description="of wall time at the start, where nothing counts")
+
+
+def _rig_part(name: str, entries: dict[str, Number]) -> Any:
+    def entry(number: Number) -> tuple[Any, Any]:
+        unit: Any = Annotated[float, Measured(number.unit)]
+        return unit, Field(default=number.value, description=number.source, ge=number.low, le=number.high)
+
+    fields: Any = {key: entry(number) for key, number in entries.items()}
+    return create_model(f"Rig_{name}", __base__=Part, **fields)
+
+
+def _rig_model() -> Any:
+    parts: Any = {}
+    for name, entries in RIG.items():
+        part = _rig_part(name, entries)
+        parts[name] = (part, Field(default_factory=part))
+    text = "Numbers of the rig to change; each has a default with its source."
+    return create_model("Rig", __base__=Part, __doc__=text, **parts)
+
+
+if TYPE_CHECKING:
+    RigParts = Any
+else:
+    RigParts = _rig_model()
+
+
+def _rig() -> Any:
+    model: Any = RigParts
+    return model.model_validate({})
+
+
+class Scenario(Part):
+    """One run: the rig, where it starts, how it is controlled, and what is expected of it."""
+
+    name: str = "unnamed"
+    title: str = ""
+    duration: Seconds = Field(default=10.0, gt=0.0)
+    seed: int = Field(default=1, ge=0, lt=2**63, description="of the sensor noise, and of the run's identity")
+    rig_name: str = Field(
+        default="rig", pattern=r"^[A-Za-z0-9_-]+(/[A-Za-z0-9_-]+)*$", description="start of every key"
+    )
+    start: Start = Start()
+    loop: Loop = Loop()
+    controller: Controller = Controller()
+    reference: Reference
+    daq: Daq = Daq()
+    real_time: RealTime = RealTime()
+    rig: RigParts = Field(default_factory=_rig)
+    expect: list[str] = Field(default=[], description='such as "overshoot <= 5 %", "limit cycle: none"')
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Scenario":
+        grid = self.loop.grid()
+        ticks = self.duration * NS / grid.daq
+        if abs(ticks - round(ticks)) > 1e-6 or ticks < 1:
+            raise ValueError(f"duration {self.duration} s is no whole number of DAQ periods of {grid.daq / NS} s")
+        build(self.numbers(), self.loop.step)
+        if not 0.0 <= self.start.position <= self.rig.cylinder.stroke:
+            raise ValueError(
+                f"start.position {self.start.position} m lies outside the stroke, 0 to {self.rig.cylinder.stroke} m"
+            )
+        if self.daq.skew * 4 > self.loop.step:
+            raise ValueError(f"daq.skew {self.daq.skew} s: a scan must fit in a step, at most {self.loop.step / 4} s")
+        for text in self.expect:
+            parse_band(text)
+        self.reference.reference()
+        return self
+
+    def numbers(self) -> dict[str, dict[str, float]]:
+        """The rig's numbers with this scenario's own in place."""
+        return numbers(self.rig.model_dump())
+
+    @property
+    def ticks(self) -> int:
+        """DAQ periods in the run."""
+        return round(self.duration * NS / self.loop.grid().daq)

@@ -1,0 +1,1 @@
+"""Golden recordings: small runs that are kept, and compared with what the code does today."""
