@@ -133,7 +133,7 @@ class Bus:
         self._publishers[topic.name] = self.session.declare_publisher(
             f"{self.rig_name}/{topic.name}",
             encoding=encoding(topic.type),
-            congestion_control=control.BLOCK if self._blocking or topic.name == "status" else control.DROP,
+            congestion_control=control.BLOCK if self._blocking or topic.delivery == "block" else control.DROP,
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
             express=topic.express,
             reliability=zenoh.Reliability.RELIABLE,

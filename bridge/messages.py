@@ -97,7 +97,8 @@ class Topic(NamedTuple):
     publisher: str
     rate: str
     data: bool  # simulated quantities only: identical between lockstep, in-process and a clean real-time run
-    express: bool  # sent at once, at real-time priority
+    express: bool  # sent at once, in real time at the highest priority
+    delivery: str  # in real time: "drop" what does not fit, or "block"; all are reliable, and block in lockstep
 
 
 def _own(name: str) -> str:
@@ -107,18 +108,18 @@ def _own(name: str) -> str:
 TOPICS: dict[str, Topic] = {
     topic.name: topic
     for topic in (
-        Topic("measurement", _own("Measurement"), "plant", "DAQ period", True, True),
-        Topic("command", _own("ValveCommand"), "controller", "sample period", True, True),
-        Topic("reference", _own("Reference"), "controller", "sample period", True, False),
-        Topic("state", _own("PlantState"), "plant", "DAQ period", True, False),
-        Topic("event", _own("Event"), "plant", "as it happens", True, False),
-        Topic("joint", "sensor_msgs/msg/JointState", "plant", "viewer period", True, False),
-        Topic("pressure/p1", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
-        Topic("pressure/p2", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
-        Topic("pressure/p3", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
-        Topic("timing", _own("LoopTiming"), "plant", "DAQ period, real time only", False, False),
-        Topic("status", _own("Status"), "all", "10 Hz of wall time, and at the end", False, False),
-        Topic("reset", "std_msgs/msg/Empty", "anybody", "to leave the safe state", False, False),
+        Topic("measurement", _own("Measurement"), "plant", "DAQ period", True, True, "drop"),
+        Topic("command", _own("ValveCommand"), "controller", "sample period", True, True, "drop"),
+        Topic("reference", _own("Reference"), "controller", "sample period", True, False, "drop"),
+        Topic("state", _own("PlantState"), "plant", "DAQ period", True, False, "drop"),
+        Topic("event", _own("Event"), "plant", "as it happens", True, False, "drop"),
+        Topic("joint", "sensor_msgs/msg/JointState", "plant", "viewer period", True, False, "drop"),
+        Topic("pressure/p1", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False, "drop"),
+        Topic("pressure/p2", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False, "drop"),
+        Topic("pressure/p3", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False, "drop"),
+        Topic("timing", _own("LoopTiming"), "plant", "DAQ period, real time only", False, False, "drop"),
+        Topic("status", _own("Status"), "all", "10 Hz of wall time, and at the end", False, False, "block"),
+        Topic("reset", "std_msgs/msg/Empty", "anybody", "to leave the safe state", False, False, "block"),
     )
 }
 

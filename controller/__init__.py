@@ -1,1 +1,1 @@
-"""The controller: references, control laws, metrics of a run, and stability theory; no clock, file or network."""
+"""The controller: references, control laws, the hold, metrics of a run; no clock, file or network."""

@@ -1,9 +1,11 @@
-"""Make the golden recordings anew: `make recordings`."""
+"""Make the golden recordings and the README's picture anew: `make recordings`."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from bridge.inprocess import record_in_process
+from bridge.picture import draw
 from bridge.scenario import Scenario, load
 
 HERE = Path(__file__).parent
@@ -26,9 +28,13 @@ GOLDEN = {
 
 
 def main() -> None:
-    """Write every golden recording."""
+    """Write every golden recording, and the picture."""
     for name, golden in GOLDEN.items():
         print(record_in_process(golden.load(), HERE / f"{name}.mcap").path.name)
+    scenario = load("step", ["duration=4"])
+    with TemporaryDirectory() as folder:
+        recording = record_in_process(scenario, Path(folder) / "step.mcap")
+        print(draw(recording, scenario, HERE.parent / "docs" / "step.png").name)
 
 
 if __name__ == "__main__":

@@ -118,7 +118,7 @@ def test_lists_come_as_json_too(verb):
 
 def test_messages_print_formats_and_definitions():
     text = hydrotwin("messages").stdout
-    assert "<4xQQQqqd" in text
+    assert "<4x3Q2qd" in text
     assert "float64 spool" in text
 
 

@@ -117,3 +117,9 @@ def test_bands_take_units():
     assert parse_band("overshoot <= 5 %").limit == pytest.approx(0.05)
     assert parse_band("peak p_lower <= 80 bar").limit == 80e5
     assert parse_band("limit cycle: none").limit == 0.0
+
+
+def test_a_load_too_light_for_the_step_is_refused():
+    """Frictionless and light, the piston swings on the oil faster than the step can follow."""
+    with pytest.raises(ScenarioError, match="swings too fast on the oil"):
+        load("step", ["rig.seal.limit=0", "rig.load.mass='5 g'"])

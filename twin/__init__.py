@@ -1,1 +1,2 @@
-"""The plant: physics and numerics of the rig. No clock, no network, no files, no printing."""
+"""The plant: physics and numerics of the rig. No clock, no network, no printing, and no files
+but the cache of compiled code."""

@@ -7,7 +7,7 @@
 A step is a Strang splitting: everything with inertia (piston, line flows) gets half a kick from the pressures, the
 nodes fill for a whole step at these speeds, then comes the other half. It is symmetric, of second order, conserves
 oil to rounding and cannot pump energy into a resonance. Within the filling each node meets one resistance at most
-(lands, relief valve, leak, pump), each solved exactly, so nothing stiff is left and nothing iterates.
+(lands, relief valve, leak: solved exactly; pump: linearised), so nothing stiff is left and nothing iterates.
 """
 
 import math

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from twin.circuit import Circuit
 from twin.contact import Stops
-from twin.cylinder import Cylinder, Load
+from twin.cylinder import Cylinder, Load, chamber_volumes
 from twin.lines.lumped import LumpedLine, lumped_line
 from twin.oil import Oil, effective_modulus, fluid_modulus, kinematic_viscosity
 from twin.orifice import Orifice, area_for
@@ -33,7 +33,7 @@ class Number(NamedTuple):
 Numbers = Mapping[str, Mapping[str, float]]
 
 TINY = 1e-12  # smallest value of what must not be zero
-STEEL = Number(2.1e11, "Pa", "steel; the source prints 2.1e10 by mistake", TINY)
+STEEL = Number(2.1e11, "Pa", "steel; the source used 2.1e10, ten times too small", TINY)
 RUBBER = Number(1.09e9, "Pa", "2.2.3, HIDOL hose", TINY)
 
 
@@ -167,11 +167,26 @@ def _refuse_coarse_step(circuit: Circuit, friction: Seal) -> None:
                 f"internal step {circuit.step} s is too coarse for pipe_{index}: at most {longest:.3g} s; "
                 "take a smaller loop.step or a longer pipe"
             )
+    stiffest = max(_oil_spring(circuit, x) for x in (0.0, circuit.stops.stroke))
+    if circuit.load.mass < (least := stiffest * circuit.step**2):
+        raise ValueError(
+            f"load.mass {circuit.load.mass} kg swings too fast on the oil for a step of {circuit.step} s: "
+            f"at least {least:.3g} kg; take a smaller loop.step"
+        )
     if circuit.load.mass < (least := least_mass(friction, 0.5 * circuit.step)):
         raise ValueError(
             f"load.mass {circuit.load.mass} kg is too light for the seal's friction at a step of {circuit.step} s: "
             f"at least {least:.3g} kg; take a smaller loop.step or seal.limit = 0"
         )
+
+
+def _oil_spring(circuit: Circuit, position: float) -> float:
+    """Stiffness [N/m] of the oil shut in at both ends of the cylinder and the line ends that open into it."""
+    cylinder, modulus = circuit.cylinder, circuit.oil.bulk_modulus
+    v_lower, v_upper = chamber_volumes(position, cylinder)
+    lower = circuit.line_3.end_capacity + v_lower / modulus
+    upper = circuit.line_4.end_capacity + v_upper / modulus
+    return cylinder.area_lower**2 / lower + cylinder.area_upper**2 / upper
 
 
 def _oil(rig: Numbers) -> Oil:

@@ -1,5 +1,6 @@
 """Verbs that look: digest, messages, figure, figures, view, doctor."""
 
+from itertools import groupby
 from pathlib import Path
 from typing import Annotated
 
@@ -34,10 +35,18 @@ def messages(as_json: AS_JSON = False) -> None:
     from bridge.messages import TOPICS, definition, field_names, struct_format
 
     rows = [
-        (f"<rig>/{t.name}", t.type, t.publisher, t.rate, "data" if t.data else "", struct_format(t.type) or "")
+        (
+            f"<rig>/{t.name}",
+            t.type,
+            t.publisher,
+            t.rate,
+            "data" if t.data else "",
+            t.delivery,
+            struct_format(t.type) or "",
+        )
         for t in TOPICS.values()
     ]
-    keys = ("key", "type", "from", "rate", "kind", "struct")
+    keys = ("key", "type", "from", "rate", "kind", "in real time", "struct")
     types = {topic.type: definition(topic.type) for topic in TOPICS.values()}
     if as_json:
         plain = [dict(zip(keys, row, strict=True)) for row in rows]
@@ -48,6 +57,12 @@ def messages(as_json: AS_JSON = False) -> None:
     for kind, text in types.items():
         print(f"\n# {kind}\n{text.rstrip()}")
     print("\nPayloads are CDR, little endian: 4 bytes of header (00 01 00 00), then the fields in order.")
+
+
+def _short(layout: str) -> str:
+    """A struct format with runs of a code counted: dddd is 4d."""
+    head, codes = layout[:3], layout[3:]
+    return head + "".join(f"{n}{code}" if (n := len(list(run))) > 1 else code for code, run in groupby(codes))
 
 
 def figure(

@@ -9,6 +9,7 @@ from rich.table import Table
 from bridge.check import CheckResult
 from bridge.run import Outcome
 
+UNFOLDED = 200  # columns, where nobody's window is to be kept to
 METRICS = {  # key: (words, factor, unit)
     "rise_time": ("rise time (10-90 %)", 1e3, "ms"),
     "overshoot": ("overshoot", 1e2, "%"),
@@ -34,7 +35,8 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         table.add_column(header, overflow="fold")
     for row in rows:
         table.add_row(*row)
-    Console().print(table)
+    console = Console()
+    console.print(table, width=None if console.is_terminal else UNFOLDED)
 
 
 def value_with_unit(metric: str, value: float | None) -> str:

@@ -14,6 +14,7 @@ for host in "$@"; do
 done
 
 cd credentials
+echo '*' > .gitignore # secrets stay out of repositories
 for owner in ca server; do
     openssl genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out "$owner.key"
 done
