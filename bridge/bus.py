@@ -18,7 +18,19 @@ from bridge.link import Link, open_session
 from bridge.messages import TOPICS, Outgoing, Status, Topic, encode, encoding
 
 STAMP = struct.Struct("<qQ")  # attachment: log time, sequence
-Receiver = Callable[[bytes, str, tuple[int, int] | None], None]
+Receiver = Callable[[Any], None]  # takes a Zenoh sample
+
+
+def claimed_type(sample: Any) -> str:
+    """The message type that a sample says it is; empty when it says nothing."""
+    return str(sample.encoding).partition(";")[2]
+
+
+def stamp_of(sample: Any) -> tuple[int, int] | None:
+    """Log time and sequence that our processes attach; None for somebody else's message."""
+    attachment = sample.attachment
+    raw = b"" if attachment is None else attachment.to_bytes()
+    return STAMP.unpack(raw) if len(raw) == STAMP.size else None
 
 
 class Bus:
@@ -61,16 +73,8 @@ class Bus:
         self._status += 1
 
     def subscribe(self, topic: str, receiver: Receiver) -> None:
-        """Call `receiver(payload, claimed type, (log time, sequence))` in Zenoh's own thread for each message."""
-
-        def on_sample(sample: Any) -> None:
-            attachment = sample.attachment
-            raw = attachment.to_bytes() if attachment is not None else b""
-            stamp = STAMP.unpack(raw) if len(raw) == STAMP.size else None
-            _, _, kind = str(sample.encoding).partition(";")
-            receiver(sample.payload.to_bytes(), kind, stamp)
-
-        handler = zenoh.handlers.Callback(on_sample, indirect=False)
+        """Call `receiver(sample)` in Zenoh's own thread for each message."""
+        handler = zenoh.handlers.Callback(receiver, indirect=False)
         self._declared.append(self.session.declare_subscriber(f"{self.rig_name}/{topic}", handler))
 
     def answer(self, name: str, reply: Callable[[], bytes]) -> None:
@@ -135,6 +139,6 @@ class Bus:
             encoding=encoding(topic.type),
             congestion_control=control.BLOCK if self._blocking or topic.delivery == "block" else control.DROP,
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
-            express=topic.express,
+            express=urgent,
             reliability=zenoh.Reliability.RELIABLE,
         )

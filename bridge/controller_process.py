@@ -47,9 +47,9 @@ class ControllerProcess:
     def _guarded(self, topic: str, heed: Callable[[Any], None]) -> Receiver:
         """Decode and heed; what goes wrong in Zenoh's thread is raised in ours."""
 
-        def receive(payload: bytes, kind: str, stamp: tuple[int, int] | None) -> None:
+        def receive(sample: Any) -> None:
             try:
-                message = decode(payload, topic)
+                message = decode(sample.payload.to_bytes(), topic)
             except ValueError:
                 return  # somebody else's noise on our keys; the plant counts what concerns it
             try:

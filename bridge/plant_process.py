@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from bridge.bus import Bus
+from bridge.bus import Bus, claimed_type
 from bridge.clock import Overruns, Stop, prepare, ticks
 from bridge.failure import RunError
 from bridge.host import host, versions
@@ -32,10 +32,9 @@ class PlantOptions(NamedTuple):
 
 
 class Command(NamedTuple):
-    """A payload off the wire and when it came [ns, monotonic]."""
+    """A sample off the wire and when it came [ns, monotonic]."""
 
-    payload: bytes
-    kind: str
+    sample: Any
     came: int
 
 
@@ -151,10 +150,10 @@ class PlantProcess:
         if command is None:
             self.side.reset()
             return None
-        return self.side.receive(command.payload, command.kind)
+        return self.side.receive(command.sample.payload.to_bytes(), claimed_type(command.sample))
 
-    def _on_command(self, payload: bytes, kind: str, stamp: tuple[int, int] | None) -> None:
-        self._commands.put(Command(payload, kind, time.monotonic_ns()))
+    def _on_command(self, sample: Any) -> None:
+        self._commands.put(Command(sample, time.monotonic_ns()))
 
     def _publish(self, messages: list[Outgoing], sent: int = 0) -> None:
         for message in messages:

@@ -1,13 +1,14 @@
 """The recorder as a process: everything on a rig's keys into an MCAP file, losses counted."""
 
 import json
+import os
 import queue
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.bus import Bus
+from bridge.bus import Bus, stamp_of
 from bridge.clock import Stop
 from bridge.failure import RunError
 from bridge.link import Link
@@ -21,6 +22,7 @@ from controller.sampling import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
+YIELDING = 5  # niceness: the loop's own processes come first
 PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
 
 
@@ -40,9 +42,9 @@ class RecorderProcess:
         self.patience = patience
         self.path = path
         self.stop = stop
-        self._inbox: queue.SimpleQueue[Arrival] = queue.SimpleQueue()
+        self._inbox: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         for topic in TOPICS:
-            bus.subscribe(topic, lambda payload, kind, stamp, topic=topic: self._take(topic, payload, stamp))
+            bus.subscribe(topic, lambda sample, topic=topic: self._inbox.put((topic, sample)))
         bus.watch()
 
     def run(self) -> Path:
@@ -73,10 +75,8 @@ class RecorderProcess:
 
     def _arrived(self) -> Iterator[Arrival]:
         while not self._inbox.empty():
-            yield self._inbox.get()
-
-    def _take(self, topic: str, payload: bytes, stamp: tuple[int, int] | None) -> None:
-        self._inbox.put(Arrival(topic, payload, stamp))
+            topic, sample = self._inbox.get()
+            yield Arrival(topic, sample.payload.to_bytes(), stamp_of(sample))
 
     def _over(self, file: "OpenFile") -> bool:
         if file.ended_at is None:
@@ -186,5 +186,6 @@ class OpenFile:
 def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool) -> Path:
     """Record a rig until its plant ends; returns the last file. Raises RunError or LinkError with one line."""
     stop = Stop()
+    os.nice(YIELDING)
     with Bus(link, rig_name, "recorder", blocking=blocking) as bus:
         return RecorderProcess(bus, path, link.patience, stop).run()

@@ -131,7 +131,7 @@ def noise(endpoint: str, run_id: int) -> None:
     """Send all kinds of wrong commands until the plant is gone."""
     with Bus(Link(None, endpoint, None, 30.0), "rig", "intruder", blocking=True) as bus:
         came: list[bytes] = []
-        bus.subscribe("command", lambda payload, kind, stamp: came.append(payload))
+        bus.subscribe("command", lambda sample: came.append(sample.payload.to_bytes()))
         bus.watch()
         wait_for(lambda: len(came) > 5, 30)
         _, owner, _, stamp, _, _ = struct.unpack("<4xQQQqqd", came[-1])

@@ -37,12 +37,12 @@ def messages(as_json: AS_JSON = False) -> None:
     rows = [
         (
             f"<rig>/{t.name}",
-            t.type,
+            t.type.rpartition("/")[2],
             t.publisher,
             t.rate,
             "data" if t.data else "",
             t.delivery,
-            struct_format(t.type) or "",
+            _short(struct_format(t.type) or ""),
         )
         for t in TOPICS.values()
     ]

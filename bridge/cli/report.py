@@ -1,5 +1,6 @@
 """Tables for people: the summary of a run, the verdicts of checks."""
 
+import sys
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -35,8 +36,7 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         table.add_column(header, overflow="fold")
     for row in rows:
         table.add_row(*row)
-    console = Console()
-    console.print(table, width=None if console.is_terminal else UNFOLDED)
+    Console(width=None if sys.stdout.isatty() else UNFOLDED).print(table)
 
 
 def value_with_unit(metric: str, value: float | None) -> str:
