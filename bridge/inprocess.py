@@ -10,39 +10,51 @@ from bridge.host import host, versions
 from bridge.identity import derived
 from bridge.messages import Outgoing, encode
 from bridge.plant_side import PlantSide
-from bridge.recording.reader import Entry, Recording
+from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario
 from bridge.summary import summarise
 
 
-def exchange(plant: PlantSide, controller: ControllerSide, ticks: int, lean: bool = False) -> Iterator[list[Outgoing]]:
+def exchange(
+    plant: PlantSide,
+    controller: ControllerSide,
+    ticks: int,
+    lean: bool = False,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Iterator[list[Outgoing]]:
     """The messages of each tick, the controller's answers included; `lean`: measurements and answers alone."""
     out = plant.start()
-    for _ in range(ticks):
+    while plant.tick_number < ticks and not stopped():
         answers = controller.answer(plant.measurement)
         for answer in answers:
             if answer.topic == "command":
                 plant.take(answer.message)
         yield out + answers
         out = plant.tick(lean)
-    yield out + controller.answer(plant.measurement) + plant.finish(f"complete after {ticks} ticks")
+    ending = "complete" if plant.tick_number == ticks else "interrupted"
+    yield out + controller.answer(plant.measurement) + plant.finish(f"{ending} after {plant.tick_number} ticks")
 
 
-def record_in_process(scenario: Scenario, path: Path, progress: Callable[[int], None] = lambda tick: None) -> Recording:
+def record_in_process(
+    scenario: Scenario,
+    path: Path,
+    progress: Callable[[int], None] = lambda tick: None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Recording:
     """Run a scenario and record it; returns what the file holds."""
     plant, controller = sides(scenario)
     writer = RecordingWriter(path, scenario.rig_name)
     head = manifest(scenario, plant.run_id)
     writer.metadata("run", head)
     entries: list[Entry] = []
-    for tick, messages in enumerate(exchange(plant, controller, scenario.ticks)):
+    for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
         entries += _write(writer, messages)
         progress(tick)
-    summary = summarise(Recording(path, entries, {}, True), scenario, {})
+    summary = summarise(recording(path, entries, {}), scenario, {})
     writer.metadata("summary", summary)
     writer.close()
-    return Recording(path, entries, {"run": head, "summary": summary}, True)
+    return recording(path, entries, {"run": head, "summary": summary})
 
 
 def sides(scenario: Scenario) -> tuple[PlantSide, ControllerSide]:

@@ -17,7 +17,7 @@ from bridge.recording.order import Order
 from bridge.recording.reader import read
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario, check
-from bridge.summary import summarise
+from bridge.summary import NEEDED, summarise
 from controller.sampling import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
@@ -154,7 +154,7 @@ class OpenFile:
         for topic, log_time, sequence, payload in self._order.rest():
             self._writer.write(topic, log_time, sequence, payload)
         self._writer.flush()
-        summary = summarise(read(self.path), self.scenario, self.losses())
+        summary = summarise(read(self.path, NEEDED), self.scenario, self.losses())
         self._writer.metadata("summary", summary | {"rejected": self.rejected})
         self._writer.close()
 

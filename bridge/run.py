@@ -3,11 +3,12 @@
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bridge.clock import Stop
 from bridge.inprocess import record_in_process
 from bridge.progress import Progress
 from bridge.recording.reader import Recording, read
 from bridge.scenario import Scenario
-from bridge.summary import summarise, verdict
+from bridge.summary import NEEDED, summarise, verdict
 
 
 class RunRequest(NamedTuple):
@@ -44,9 +45,10 @@ def run_scenario(scenario: Scenario, request: RunRequest) -> Outcome:
 
 
 def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, list[str]]:
+    stop = Stop()
     with Progress(scenario) as progress:
         if request.mode == "inprocess":
-            return record_in_process(scenario, request.recording, progress.tick), []
+            return record_in_process(scenario, request.recording, progress.tick, stop), []
         from bridge.supervisor import RunOptions, Supervisor
 
         options = RunOptions(
@@ -58,13 +60,13 @@ def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, lis
             request.external,
             request.listen,
         )
-        faults = Supervisor(scenario, options, progress.show).run()
-    return (read(request.recording) if request.recording.is_file() else None), faults
+        faults = Supervisor(scenario, options, progress.show, stop).run()
+    return (read(request.recording, NEEDED) if request.recording.is_file() else None), faults
 
 
 def _picture(scenario: Scenario, recording: Recording) -> Path | None:
     from bridge.picture import draw
 
-    if sum(1 for _ in recording.of("state")) < 2:
+    if recording.counts.get("state", 0) < 2:
         return None
     return draw(recording, scenario, recording.path.with_suffix(".png"))

@@ -18,7 +18,8 @@ from bridge.messages import decode
 from bridge.scenario import Scenario
 
 SILENCE = 5.0  # seconds without a word from the plant after which it counts as gone
-FAREWELL = 12.0  # seconds that processes get to finish once they should
+FAREWELL = 8.0  # seconds that processes get to finish once they should
+READING = 0.1  # seconds per simulated second that the recorder gets on top, to read its file for the summary
 STARTUP = 90.0  # seconds to the first word: the first start compiles
 
 
@@ -70,11 +71,13 @@ class Child:
 class Supervisor:
     """One supervised run."""
 
-    def __init__(self, scenario: Scenario, options: RunOptions, show: Callable[[dict[str, Any]], None]) -> None:
+    def __init__(
+        self, scenario: Scenario, options: RunOptions, show: Callable[[dict[str, Any]], None], stop: Stop
+    ) -> None:
         self.scenario = scenario
         self.options = options
         self.show = show
-        self.stop = Stop()
+        self.stop = stop
         self.faults: list[str] = []
         self.children: list[Child] = []
         self._heard = time.monotonic()
@@ -161,11 +164,11 @@ class Supervisor:
         if all(child.ended() for child in self.children):
             return True
         if self._asked_to_stop is not None:
-            return now - self._asked_to_stop > FAREWELL and self._name_the_slow()
+            return self._too_slow(now - self._asked_to_stop)
         if self.stop() or (self.faults and not self._plant_over):
             return self._ask_to_stop(now)
         if self._plant_over is not None:
-            return now - self._plant_over > FAREWELL and self._name_the_slow()
+            return self._too_slow(now - self._plant_over)
         return self._silent(now)
 
     def _note_faults(self) -> None:
@@ -184,11 +187,15 @@ class Supervisor:
         plant.process.send_signal(signal.SIGINT)
         return False
 
-    def _name_the_slow(self) -> bool:
+    def _too_slow(self, waited: float) -> bool:
+        """End those that had their time to finish, and name them; True when nobody is left to wait for."""
         for child in self.children:
-            if not child.ended():
+            patience = FAREWELL + (READING * self.scenario.duration if child.role == "record" else 0.0)
+            if waited > patience and not child.ended():
                 self.faults.append(f"the {child.role} (pid {child.process.pid}) did not finish: silent")
-        return True
+                self._noted.append(child)
+                child.end()
+        return False
 
     def _silent(self, now: float) -> bool:
         patience = SILENCE + self.options.patience if self._started else STARTUP

@@ -121,7 +121,8 @@ def test_every_late_command_has_its_instant(folder):
 
 def test_slow_motion_is_paced_by_its_factor(folder):
     recording = run_recorded(
-        folder / "fast.mcap", "step", "--duration", "2", "--speed", "4", "--set", "real_time.overruns=100000"
+        *(folder / "fast.mcap", "step", "--duration", "2", "--speed", "4"),
+        *("--set", "real_time.overruns=100000", "--set", "loop.command_timeout=2"),
     )
     assert recording.columns("state")["stamp"][-1] == 2 * NS
     assert recording.metadata["run"]["speed"] == 4.0

@@ -1,18 +1,16 @@
 """The command `hydrotwin`: one verb a function, grouped by what they are for."""
 
+import signal
 import sys
 
 
 def main() -> None:
-    """Run the command line; mistakes of the user get one line each and no traceback."""
-    try:
-        _run()
-    except KeyboardInterrupt:
-        _complain("interrupted")
-        sys.exit(1)
+    """Run the command line; mistakes of the user get one line each and no traceback.
 
-
-def _run() -> None:
+    Until a verb takes Ctrl-C into its own hands it ends the process at once: an exception raised in the middle of an
+    import can get lost.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     from bridge.cli.verbs import app
     from bridge.failure import RunError
     from bridge.link import LinkError

@@ -2,7 +2,8 @@
 
 import json
 import struct
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Collection, Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -39,6 +40,7 @@ class Recording(NamedTuple):
     entries: list[Entry]
     metadata: dict[str, dict[str, Any]]
     complete: bool  # False: the file was cut off; what came before is here
+    counts: dict[str, int]  # messages per topic, those not read included
 
     def of(self, topic: str) -> Iterator[Entry]:
         """The messages of one topic."""
@@ -67,8 +69,14 @@ class Recording(NamedTuple):
         return check(self.metadata["run"]["scenario"], str(self.path))
 
 
-def read(path: Path) -> Recording:
-    """Read a whole file. Raises ScenarioError when there is none or it is no MCAP."""
+def recording(path: Path, entries: list[Entry], metadata: dict[str, dict[str, Any]]) -> Recording:
+    """A complete recording that is in memory."""
+    return Recording(path, entries, metadata, True, dict(Counter(entry.topic for entry in entries)))
+
+
+def read(path: Path, topics: Collection[str] = TOPICS) -> Recording:
+    """Read a file, or some of its topics. Raises ScenarioError when there is none or it is no MCAP."""
+    counts: Counter[str] = Counter()
     entries: list[Entry] = []
     metadata: dict[str, dict[str, Any]] = {}
     channels: dict[int, str] = {}
@@ -82,17 +90,17 @@ def read(path: Path) -> Recording:
                 if isinstance(record, Channel):
                     channels[record.id] = _below_rig(record.topic)
                 elif isinstance(record, Chunk):
-                    entries.extend(_messages(record, channels))
+                    entries.extend(_messages(record, channels, topics, counts))
                 elif isinstance(record, Metadata):
                     metadata[record.name] = {key: _value(text) for key, text in record.metadata.items()}
     except OSError as error:
         raise ScenarioError(f"{path}: {error.strerror}") from None
-    except (McapError, ValueError):
+    except (McapError, ValueError, zstandard.ZstdError):
         complete = False
-    return Recording(path, entries, metadata, complete)
+    return Recording(path, entries, metadata, complete, dict(counts))
 
 
-def _messages(chunk: Chunk, channels: dict[int, str]) -> Iterator[Entry]:
+def _messages(chunk: Chunk, channels: dict[int, str], topics: Collection[str], counts: Counter[str]) -> Iterator[Entry]:
     """The messages of a chunk, walked by the format's own layout: five times faster than record by record."""
     data = decompressed(chunk)
     at = 0
@@ -104,7 +112,10 @@ def _messages(chunk: Chunk, channels: dict[int, str]) -> Iterator[Entry]:
             channels[channel.id] = _below_rig(channel.topic)
         elif opcode == Opcode.MESSAGE:
             channel_id, sequence, log_time, _ = MESSAGE.unpack_from(data, at)
-            yield Entry(channels[channel_id], log_time, sequence, data[at + MESSAGE.size : at + length])
+            topic = channels[channel_id]
+            counts[topic] += 1
+            if topic in topics:
+                yield Entry(topic, log_time, sequence, data[at + MESSAGE.size : at + length])
         at += length
 
 
