@@ -2,30 +2,47 @@
 
 import difflib
 import re
+from typing import NamedTuple
 
 from bridge.units import quantity
 from controller.metrics import Band, Metrics
 
-METRIC_UNITS = {
-    "rise_time": "s",
-    "overshoot": "",
-    "settling_time": "s",
-    "steady_error": "m",
-    "rms_error": "m",
-    "max_error": "m",
-    "limit_cycle_amplitude": "m",
-    "limit_cycle_frequency": "Hz",
-    "peak_p1": "Pa",
-    "peak_p_lower": "Pa",
-    "peak_p_upper": "Pa",
-    "min_p_lower": "Pa",
-    "min_p_upper": "Pa",
-    "valve_travel": "",
+
+class Shown(NamedTuple):
+    """How a metric is written for people."""
+
+    words: str
+    unit: str  # SI
+    factor: float  # from SI to what is shown
+    shown_unit: str
+
+
+METRICS = {
+    "rise_time": Shown("rise time (10-90 %)", "s", 1e3, "ms"),
+    "overshoot": Shown("overshoot", "", 1e2, "%"),
+    "settling_time": Shown("settling time (2 %)", "s", 1e3, "ms"),
+    "steady_error": Shown("steady error", "m", 1e3, "mm"),
+    "rms_error": Shown("rms error", "m", 1e3, "mm"),
+    "max_error": Shown("largest error", "m", 1e3, "mm"),
+    "limit_cycle_amplitude": Shown("limit cycle amplitude", "m", 1e3, "mm"),
+    "limit_cycle_frequency": Shown("limit cycle frequency", "Hz", 1.0, "Hz"),
+    "peak_p1": Shown("peak p1", "Pa", 1e-5, "bar"),
+    "peak_p_lower": Shown("peak p_lower", "Pa", 1e-5, "bar"),
+    "peak_p_upper": Shown("peak p_upper", "Pa", 1e-5, "bar"),
+    "min_p_lower": Shown("least p_lower", "Pa", 1e-5, "bar"),
+    "min_p_upper": Shown("least p_upper", "Pa", 1e-5, "bar"),
+    "valve_travel": Shown("valve travel", "", 1.0, "travels"),
 }
-assert set(METRIC_UNITS) == set(Metrics._fields)
+assert set(METRICS) == set(Metrics._fields)
 _BAND = re.compile(r"\s*(.+?)\s*(<=|>=)\s*(.+?)\s*")
 _CYCLE = re.compile(r"\s*limit cycle\s*:\s*(\w+)\s*")
 SMALLEST_CYCLE = 1e-9  # [m]; what the metrics call no limit cycle is exactly zero
+
+
+def value_with_unit(metric: str, value: float | None) -> str:
+    """A metric as people read it."""
+    shown = METRICS[metric]
+    return "-" if value is None or value != value else f"{value * shown.factor:.4g} {shown.shown_unit}"
 
 
 def parse_band(text: str) -> Band:
@@ -38,12 +55,12 @@ def parse_band(text: str) -> Band:
             f"expect {text!r}: write 'metric <= value unit', 'metric >= value unit' or 'limit cycle: none'"
         )
     metric = match[1].replace(" ", "_").replace("-", "_")
-    if metric not in METRIC_UNITS:
-        near = difflib.get_close_matches(metric, METRIC_UNITS, n=1, cutoff=0.0)[0].replace("_", " ")
-        valid = ", ".join(name.replace("_", " ") for name in METRIC_UNITS)
+    if metric not in METRICS:
+        near = difflib.get_close_matches(metric, METRICS, n=1, cutoff=0.0)[0].replace("_", " ")
+        valid = ", ".join(name.replace("_", " ") for name in METRICS)
         raise ValueError(f"expect {text!r}: no metric {match[1]!r}; nearest: {near!r} (valid: {valid})")
     try:
-        return Band(metric, match[2], quantity(match[3], METRIC_UNITS[metric]))
+        return Band(metric, match[2], quantity(match[3], METRICS[metric].unit))
     except ValueError as error:
         raise ValueError(f"expect {text!r}: {error}") from None
 

@@ -42,13 +42,13 @@ class Bus:
         self.session = open_session(link)
         self.present: dict[str, set[str]] = {}
         self.changed = threading.Condition()
-        self._blocking = blocking
         self._publishers: dict[str, Any] = {}
         self._declared: list[Any] = []
         self._status = 0
         for topic in TOPICS.values():
             if topic.publisher in (role, "all"):
-                self._declare(topic)
+                self._publishers[topic.name] = self._declare(topic, blocking)
+        self._last_words = self._declare(TOPICS["status"], blocking=True)
 
     def __enter__(self) -> "Bus":
         return self
@@ -62,14 +62,13 @@ class Bus:
         self._publishers[message.topic].put(encode(message.message) if payload is None else payload, attachment=stamp)
 
     def publish_status(
-        self, run_id: int, stamp: int, phase: str, values: dict[str, float], text: str = "", role: str = ""
+        self, run_id: int, stamp: int, phase: str, values: dict[str, float], text: str = "", final: bool = False
     ) -> None:
-        """Say how this process is doing."""
+        """Say how this process is doing; the last word waits for its readers, others do not."""
         names, numbers = list(values), [float(value) for value in values.values()]
-        status = Status(
-            run_id, self._status, stamp, role or self.role, phase, os.getpid(), names, np.array(numbers), text
-        )
-        self.publish(Outgoing("status", stamp, self._status, status))
+        status = Status(run_id, self._status, stamp, self.role, phase, os.getpid(), names, np.array(numbers), text)
+        publisher = self._last_words if final else self._publishers["status"]
+        publisher.put(encode(status), attachment=STAMP.pack(stamp, self._status))
         self._status += 1
 
     def subscribe(self, topic: str, receiver: Receiver) -> None:
@@ -131,13 +130,13 @@ class Bus:
                 self.changed.wait(0.05)
         return absent
 
-    def _declare(self, topic: Topic) -> None:
-        urgent = topic.express and not self._blocking
+    def _declare(self, topic: Topic, blocking: bool) -> Any:
+        urgent = topic.express and not blocking
         control = zenoh.CongestionControl
-        self._publishers[topic.name] = self.session.declare_publisher(
+        return self.session.declare_publisher(
             f"{self.rig_name}/{topic.name}",
             encoding=encoding(topic.type),
-            congestion_control=control.BLOCK if self._blocking or topic.delivery == "block" else control.DROP,
+            congestion_control=control.BLOCK if blocking else control.DROP,
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
             express=urgent,
             reliability=zenoh.Reliability.RELIABLE,

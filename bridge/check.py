@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.bands import parse_band
+from bridge.bands import parse_band, value_with_unit
 from bridge.run import RunRequest, run_scenario
 from bridge.scenario import Scenario
 from controller.metrics import Metrics, judge
@@ -70,8 +70,6 @@ def junit_xml(results: list[CheckResult]) -> str:
 
 
 def _judge(text: str, metrics: Metrics) -> Judgement:
-    from bridge.cli.report import value_with_unit
-
     verdict = judge(metrics, [parse_band(text)])[0]
     found = value_with_unit(verdict.metric, verdict.value)
     if verdict.metric == "limit_cycle_amplitude" and verdict.value > 0.0:

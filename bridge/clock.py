@@ -85,14 +85,18 @@ def die_with_parent() -> None:
     _prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
-def prepare(fifo: bool) -> list[str]:
-    """Make this process punctual; call before any thread starts. Returns what could not be had, for people to read."""
+NOTE = "hydrotwin: note: "  # how a line on standard error begins that is no failure
+
+
+def prepare(fifo: bool) -> None:
+    """Make this process punctual; call before any thread starts. What cannot be had is noted on standard error."""
     gc.collect()
     gc.freeze()
     gc.disable()
     sys.setswitchinterval(1e-4)
     _prctl(PR_SET_TIMERSLACK, 1)
-    return _take_fifo() if fifo else []
+    for note in _take_fifo() if fifo else []:
+        print(f"{NOTE}{note}", file=sys.stderr, flush=True)
 
 
 def _take_fifo() -> list[str]:

@@ -42,7 +42,7 @@ class ControllerProcess:
             if self._fault is not None:
                 raise self._fault
         counts = {f"published/{topic}": float(count) for topic, count in self.side.published.items()}
-        self.bus.publish_status(self._run_id, self._stamp, "ended", counts)
+        self.bus.publish_status(self._run_id, self._stamp, "ended", counts, final=True)
 
     def _guarded(self, topic: str, heed: Callable[[Any], None]) -> Receiver:
         """Decode and heed; what goes wrong in Zenoh's thread is raised in ours."""
@@ -69,14 +69,14 @@ class ControllerProcess:
             self._fault = RunError(f"the plant refuses this controller: {event.text}")
 
     def _follow(self, status: Any) -> None:
-        if status.role == "plant" and status.phase not in ("running", "safe", "waiting"):
+        if status.role == "plant" and status.phase not in ("running", "safe"):
             self._last_tick = round(dict(zip(status.names, status.values, strict=True))["tick"])
             self._deadline = time.monotonic() + FAREWELL
 
     def _finished(self) -> bool:
         if self._last_tick is not None:
             return self._tick >= self._last_tick or time.monotonic() > self._deadline
-        return self._tick >= 0 and not self.bus.present.get("plant", {"?"})
+        return not self.bus.present.get("plant", {"?"})
 
 
 def run_controller(scenario: Scenario, link: Link, mode: str, source: int, fifo: bool) -> None:

@@ -1,7 +1,7 @@
 """How processes find one another: the plant listens on loopback, everybody else is its client, nothing is scouted.
 
-A router, TLS, passwords and access control are configuration: a Zenoh configuration file is the base, what the
-command line says goes on top.
+A router, TLS, passwords and access control are configuration: a Zenoh configuration file is the base; what the
+command line says goes on top, and so do no scouting and queues that hold a burst.
 """
 
 import json
@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 import zenoh
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
-LEASE_MS = 2000
 WAIT_BEFORE_DROP_US = 10_000  # once; from then on a reader that stays stuck costs nothing
 
 
@@ -76,9 +75,9 @@ def _base(file: Path | None) -> Any:
     except zenoh.ZError as error:
         raise LinkError(f"{file}: {_reason(error)}") from None
     config.insert_json5("scouting/multicast/enabled", "false")
-    config.insert_json5("transport/link/tx/lease", str(LEASE_MS))
     for priority in ("real_time", "data"):  # a burst after an overrun must fit; the default of 2 batches drops it
         config.insert_json5(f"transport/link/tx/queue/size/{priority}", "16")
+    config.insert_json5("transport/link/tx/queue/congestion_control/drop/wait_before_drop", str(WAIT_BEFORE_DROP_US))
     return config
 
 

@@ -80,11 +80,11 @@ uint64 run_id
 uint64 sequence
 int64 stamp       # simulated [ns]
 string role       # plant, controller, recorder
-string phase      # waiting, running, safe, ended, failed
+string phase      # running, safe; at the end: ended, interrupted, failed
 uint64 pid
 string[] names    # of the values
 float64[] values
-string text
+string text       # what else there is to say; of a failure the reason
 """,
 }
 
@@ -98,7 +98,7 @@ class Topic(NamedTuple):
     rate: str
     data: bool  # simulated quantities only: identical between lockstep, in-process and a clean real-time run
     express: bool  # sent at once, in real time at the highest priority
-    delivery: str  # in real time: "drop" what does not fit, or "block"; all are reliable, and block in lockstep
+    delivery: str = "drop what does not fit"  # in real time; in lockstep all are reliable and block
 
 
 def _own(name: str) -> str:
@@ -108,17 +108,25 @@ def _own(name: str) -> str:
 TOPICS: dict[str, Topic] = {
     topic.name: topic
     for topic in (
-        Topic("measurement", _own("Measurement"), "plant", "DAQ period", True, True, "drop"),
-        Topic("command", _own("ValveCommand"), "controller", "sample period", True, True, "drop"),
-        Topic("reference", _own("Reference"), "controller", "sample period", True, False, "drop"),
-        Topic("state", _own("PlantState"), "plant", "DAQ period", True, False, "drop"),
-        Topic("event", _own("Event"), "plant", "as it happens", True, False, "drop"),
-        Topic("joint", "sensor_msgs/msg/JointState", "plant", "viewer period", True, False, "drop"),
-        Topic("pressure/p1", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False, "drop"),
-        Topic("pressure/p2", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False, "drop"),
-        Topic("pressure/p3", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False, "drop"),
-        Topic("timing", _own("LoopTiming"), "plant", "DAQ period, real time only", False, False, "drop"),
-        Topic("status", _own("Status"), "all", "10 Hz of wall time, and at the end", False, False, "block"),
+        Topic("measurement", _own("Measurement"), "plant", "DAQ period", True, True),
+        Topic("command", _own("ValveCommand"), "controller", "sample period", True, True),
+        Topic("reference", _own("Reference"), "controller", "sample period", True, False),
+        Topic("state", _own("PlantState"), "plant", "DAQ period", True, False),
+        Topic("event", _own("Event"), "plant", "as it happens", True, False),
+        Topic("joint", "sensor_msgs/msg/JointState", "plant", "viewer period", True, False),
+        Topic("pressure/p1", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
+        Topic("pressure/p2", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
+        Topic("pressure/p3", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
+        Topic("timing", _own("LoopTiming"), "plant", "DAQ period, real time only", False, False),
+        Topic(
+            "status",
+            _own("Status"),
+            "all",
+            "10 Hz of wall time, and at the end",
+            False,
+            False,
+            "drop; the last one blocks",
+        ),
         Topic("reset", "std_msgs/msg/Empty", "anybody", "to leave the safe state", False, False, "block"),
     )
 }

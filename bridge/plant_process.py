@@ -4,6 +4,7 @@ import json
 import queue
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from bridge.bus import Bus, claimed_type
@@ -41,7 +42,7 @@ class Command(NamedTuple):
 class PlantProcess:
     """One run of a plant on a bus."""
 
-    def __init__(self, bus: Bus, scenario: Scenario, options: PlantOptions, notes: list[str], stop: Stop) -> None:
+    def __init__(self, bus: Bus, scenario: Scenario, options: PlantOptions, stop: Stop) -> None:
         self.bus = bus
         self.scenario = scenario
         self.options = options
@@ -52,7 +53,8 @@ class PlantProcess:
         self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
         self._status_due = 0
         self._timings = 0
-        self._text = "; ".join(notes)
+        self.report: dict[str, Any] = {}  # the last words, once they are said
+        self._facts = {"versions": versions(), "host": host()}
         bus.answer("scenario", self._manifest)
         bus.subscribe("command", self._on_command)
         bus.subscribe("reset", lambda *_: self._commands.put(None))
@@ -74,25 +76,31 @@ class PlantProcess:
         """Say the last words and stay until the partners have left: their messages pass through here."""
         for message in self.side.finish(f"{ending} after {self.side.tick_number} ticks"):
             self.bus.publish(message)
-        self._report("ended" if ending == "complete" else ending, final=True)
+        phase, _, reason = ending.partition(": ")
+        self._report("ended" if phase == "complete" else phase, reason, extra=self.timing, final=True)
         self.bus.await_leaving(partners, LINGER)
 
     def _lockstep(self) -> None:
         self._publish(self.side.start())
         while self.side.tick_number < self.scenario.ticks and not self.stop():
-            self._await_command()
-            self._publish(self.side.tick())
+            if self._await_command():
+                self._publish(self.side.tick())
             self._report_when_due(time.monotonic_ns(), {})
 
-    def _await_command(self) -> None:
-        """Before it integrates past an `apply_at` the plant has that command, or says whose fault it is."""
+    def _await_command(self) -> bool:
+        """Before it integrates past an `apply_at` the plant has that command, or says whose fault it is.
+
+        False when somebody has stopped the run meanwhile.
+        """
         deadline = time.monotonic() + self.options.patience
-        while (stamp := self.side.awaited()) is not None and not self.stop():
-            try:
+        while (stamp := self.side.awaited()) is not None:
+            if self.stop():
+                return False
+            if time.monotonic() > deadline:
+                raise RunError(self._silence(stamp))
+            with suppress(queue.Empty):
                 self._handle(self._commands.get(timeout=0.1))
-            except queue.Empty:
-                if time.monotonic() > deadline:
-                    raise RunError(self._silence(stamp)) from None
+        return True
 
     def _silence(self, stamp: int) -> str:
         refused = sum(self.side.gate.refused.values())
@@ -135,8 +143,8 @@ class PlantProcess:
             taken = self._handle(command)
             if taken is not None and command is not None and taken.sample_stamp in self._sent:
                 trip = command.came - self._sent.pop(taken.sample_stamp)
-                ahead = (taken.apply_at - self.side.now) / self.side.grid.daq
-                slack = due + round(ahead * period) - command.came
+                blocks_ahead = (taken.apply_at - self.side.now) // self.side.grid.daq
+                slack = due + round(blocks_ahead * period) - command.came
         return trip, slack
 
     def _arrived(self) -> Iterator[Command | None]:
@@ -173,10 +181,10 @@ class PlantProcess:
         if now < self._status_due:
             return False
         self._status_due = now + STATUS_PERIOD
-        self._report("safe" if self.side.watchdog.safe else "running", extra=extra)
+        self._report("safe" if self.side.watchdog.safe else "running", "", extra)
         return True
 
-    def _report(self, phase: str, final: bool = False, extra: dict[str, float] | None = None) -> None:
+    def _report(self, phase: str, text: str, extra: dict[str, float], final: bool = False) -> None:
         side, m = self.side, self.side.measurement
         values: dict[str, float] = {
             "tick": side.tick_number,
@@ -189,11 +197,12 @@ class PlantProcess:
         if m is not None:
             values |= {"position": m.position, "p1": m.p1, "p2": m.p2, "p3": m.p3, "spool": side.hold.value}
         values |= {f"refused/{reason}": count for reason, count in side.gate.refused.items()}
-        values |= self.timing if extra is None else extra
+        values |= extra
         if final:
             counts = side.published | {"timing": self._timings}
             values |= {f"published/{topic}": count for topic, count in counts.items()}
-        self.bus.publish_status(side.run_id, side.now, phase, values, self._text)
+            self.report = values | {"phase": phase, "reason": text}
+        self.bus.publish_status(side.run_id, side.now, phase, values, text, final)
 
     def _manifest(self) -> bytes:
         """What a recorder puts at the head of its file."""
@@ -202,22 +211,22 @@ class PlantProcess:
             "mode": self.options.mode,
             "speed": self.options.speed,
             "scenario": self.scenario.model_dump(mode="json"),
-            "versions": versions(),
-            "host": host(),
+            "tick": self.side.tick_number,
+            **self._facts,
         }
         return json.dumps(facts).encode()
 
 
-def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> str:
-    """Run a plant to its end. Raises RunError or LinkError with one line for people."""
+def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> dict[str, Any]:
+    """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
     stop = Stop()
-    notes = prepare(options.fifo)
+    prepare(options.fifo)
     with Bus(link, scenario.rig_name, "plant", blocking=options.mode == "lockstep") as bus:
-        process = PlantProcess(bus, scenario, options, notes, stop)
+        process = PlantProcess(bus, scenario, options, stop)
         try:
             ending = process.run()
         except RunError as failure:
             process.close(f"failed: {failure}", partners=("recorder",))
             raise
         process.close(ending)
-        return ending
+        return process.report

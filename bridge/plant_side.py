@@ -111,8 +111,7 @@ class PlantSide:
         """Leave the safe state on somebody's word."""
         if self.watchdog.safe:
             self.watchdog.clear()
-            self.gate.release()
-            self.gate.last_apply = -1
+            self.gate.release(self.now)
             self.note("reset", "safe state left by reset")
 
     def tick(self, lean: bool = False) -> list[Outgoing]:
@@ -122,6 +121,7 @@ class PlantSide:
         for segment in self.hold.segments(begin, end):
             steps = (segment.end - segment.begin) // self.grid.step
             run_block(self._state, segment.value, self._circuit, steps, self._taps)
+        self.gate.in_force = max(self.gate.in_force, self.hold.since)
         self.tick_number += 1
         return [self._measure()] if lean else self._messages()
 
@@ -141,11 +141,12 @@ class PlantSide:
             return
         at = self.watchdog.trip_at(self.gate.last_apply)
         if at < end:
+            at = max(at, begin)
             self.watchdog.trip()
-            self.gate.release()
-            self.hold.put(max(at, begin), SAFE)
+            self.gate.release(at)
+            self.hold.put(at, SAFE)
             timeout = self.watchdog.timeout / NS
-            self.note("safe", f"no command for {timeout:g} s: valve centred", applied_at=max(at, begin))
+            self.note("safe", f"no command for {timeout:g} s: valve centred", applied_at=at)
 
     def _record_late(self, command: Any) -> None:
         self.late += 1

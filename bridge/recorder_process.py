@@ -15,6 +15,7 @@ from bridge.link import Link
 from bridge.messages import TOPICS, decode
 from bridge.recording.order import Order
 from bridge.recording.reader import read
+from bridge.recording.tally import Tally
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario, check
 from bridge.summary import NEEDED, summarise
@@ -22,6 +23,7 @@ from controller.sampling import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
+SOURCED = ("command", "reference")  # topics on which several sources may speak
 YIELDING = 5  # niceness: the loop's own processes come first
 PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
 
@@ -49,29 +51,36 @@ class RecorderProcess:
 
     def run(self) -> Path:
         """Record until the plant has ended or is gone. Raises RunError when no plant answers."""
-        manifest = self.bus.ask("scenario", self.patience, self.stop)
-        if manifest is None:
-            raise RunError(
-                f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig"
-            )
-        file = OpenFile(self.path, json.loads(manifest))
+        file = OpenFile(self.path, self._manifest())
         self.bus.announce()
         while not self.stop() and not self._over(file):
             time.sleep(DRAIN_PERIOD)
             for arrival in self._arrived():
-                if file.belongs_to_next_run(arrival):
-                    file.close()
+                if file.is_of_another_run(arrival):
                     file = self._next_file(file)
                 file.take(arrival)
             file.flush_by_time()
         file.close()
-        self.bus.publish_status(file.run_id, file.stamp, "ended", {"lost": float(sum(file.losses().values()))})
+        lost = float(sum(file.tally.losses().values()))
+        self.bus.publish_status(file.run_id, file.stamp, "ended", {"lost": lost}, final=True)
         return file.path
 
+    def _manifest(self) -> dict[str, Any]:
+        answer = self.bus.ask("scenario", self.patience, self.stop)
+        if answer is None:
+            raise RunError(
+                f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig"
+            )
+        return json.loads(answer)
+
     def _next_file(self, file: "OpenFile") -> "OpenFile":
-        manifest = self.bus.ask("scenario", self.patience)
-        path = self.path.with_stem(f"{self.path.stem}-{time.strftime('%H%M%S')}-{file.number + 1}")
-        return OpenFile(path, json.loads(manifest or b"{}"), file.number + 1)
+        """A new file if the plant says that it has begun a new run; else it was somebody's noise."""
+        manifest = self._manifest()
+        if int(manifest["run_id"]) == file.run_id:
+            return file
+        file.close()
+        path = self.path.with_stem(f"{self.path.stem}-{file.number + 1}")
+        return OpenFile(path, manifest, file.number + 1)
 
     def _arrived(self) -> Iterator[Arrival]:
         while not self._inbox.empty():
@@ -80,10 +89,9 @@ class RecorderProcess:
 
     def _over(self, file: "OpenFile") -> bool:
         if file.ended_at is None:
-            gone = file.stamp > 0 and not self.bus.present.get("plant", {"?"})
-            return gone and self._inbox.empty()
+            return not self.bus.present.get("plant", {"?"}) and self._inbox.empty()
         expected = {"plant"} | ({"controller"} & set(self.bus.present))
-        settled = expected <= set(file.announced) and not sum(file.losses().values())
+        settled = expected <= file.announced and not file.tally.losses()
         return settled or time.monotonic() - file.ended_at > PATIENCE
 
 
@@ -97,17 +105,17 @@ class OpenFile:
         self.run_id = int(manifest["run_id"])
         self.stamp = 0
         self.ended_at: float | None = None
-        self.announced: dict[str, dict[str, int]] = {}  # role -> topic -> messages it says it sent
+        self.announced: set[str] = set()  # roles that have said how many messages they sent
+        self.tally = Tally(from_start=manifest["tick"] == 0)
         self.rejected = 0
-        self._got: dict[str, int] = {}
         self._live = manifest["mode"] == "realtime"
         self._writer = RecordingWriter(path, self.scenario.rig_name)
         self._writer.metadata("run", manifest | {"recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z")})
         self._writer.flush()
-        self._order = Order(self.scenario.loop.grid(), controlled=True)
+        self._order = Order(self.scenario.loop.grid())
 
-    def belongs_to_next_run(self, arrival: Arrival) -> bool:
-        """A measurement of another run than this file's."""
+    def is_of_another_run(self, arrival: Arrival) -> bool:
+        """A measurement of another run than this file's?"""
         if arrival.topic != "measurement":
             return False
         try:
@@ -123,7 +131,8 @@ class OpenFile:
         except ValueError:
             self.rejected += 1
             return
-        self._got[arrival.topic] = self._got.get(arrival.topic, 0) + 1
+        if arrival.topic != "status":
+            self.tally.add(arrival.topic, getattr(message, "source", 0) * (arrival.topic in SOURCED), sequence)
         if arrival.topic == "measurement":
             self.stamp = max(self.stamp, message.stamp)
         if arrival.topic == "status":
@@ -140,21 +149,12 @@ class OpenFile:
         if self._live:
             self._writer.flush_by(time.monotonic_ns())
 
-    def losses(self) -> dict[str, int]:
-        """Messages announced and not received, per topic."""
-        lost = {}
-        for counts in self.announced.values():
-            for topic, sent in counts.items():
-                if (missing := sent - self._got.get(topic, 0)) > 0:
-                    lost[topic] = missing
-        return lost
-
     def close(self) -> None:
         """Write what waits, the summary and the index."""
         for topic, log_time, sequence, payload in self._order.rest():
             self._writer.write(topic, log_time, sequence, payload)
         self._writer.flush()
-        summary = summarise(read(self.path, NEEDED), self.scenario, self.losses())
+        summary = summarise(read(self.path, NEEDED), self.scenario, self.tally.losses())
         self._writer.metadata("summary", summary | {"rejected": self.rejected})
         self._writer.close()
 
@@ -167,6 +167,8 @@ class OpenFile:
             if message.run_id != self.run_id or not 0 <= message.sample_stamp <= self.stamp + AHEAD:
                 raise ValueError("not a command of this run")
             return message.sample_stamp, message.sequence
+        if arrival.topic != "status" and getattr(message, "run_id", self.run_id) != self.run_id:
+            raise ValueError("not of this run")
         if arrival.stamp is None or arrival.stamp[0] < 0:
             raise ValueError("no stamp")
         return arrival.stamp
@@ -178,8 +180,9 @@ class OpenFile:
             if name.startswith("published/")
         }
         if counts:
-            self.announced[status.role] = counts
-        if status.role == "plant" and status.phase not in ("running", "safe", "waiting"):
+            self.announced.add(status.role)
+            self.tally.announce(counts)
+        if status.role == "plant" and status.phase not in ("running", "safe"):
             self.ended_at = time.monotonic()
 
 

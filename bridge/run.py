@@ -35,20 +35,23 @@ class Outcome(NamedTuple):
 
 def run_scenario(scenario: Scenario, request: RunRequest) -> Outcome:
     """Run, summarise, draw. A failed run has faults, and its recording as far as it goes."""
-    recording, faults = _run(scenario, request)
+    recording, faults, notes = _run(scenario, request)
     if recording is None:
-        return Outcome(scenario, {"scenario": scenario.name, "faults": faults}, faults, None, None)
+        return Outcome(scenario, {"scenario": scenario.name, "faults": faults, "notes": notes}, faults, None, None)
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
     faults = [*faults, *verdict(summary, scenario)]
     summary = summary | {"mode": request.mode, "speed": request.speed, "recording": str(request.recording)}
-    return Outcome(scenario, summary | {"faults": faults}, faults, request.recording, _picture(scenario, recording))
+    return Outcome(
+        scenario, summary | {"faults": faults, "notes": notes}, faults, request.recording, _picture(scenario, recording)
+    )
 
 
-def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, list[str]]:
+def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, list[str], list[str]]:
+    """The recording if there is one, what went wrong, and what else people should know."""
     stop = Stop()
     with Progress(scenario) as progress:
         if request.mode == "inprocess":
-            return record_in_process(scenario, request.recording, progress.tick, stop), []
+            return record_in_process(scenario, request.recording, progress.tick, stop), [], []
         from bridge.supervisor import RunOptions, Supervisor
 
         options = RunOptions(
@@ -60,8 +63,9 @@ def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, lis
             request.external,
             request.listen,
         )
-        faults = Supervisor(scenario, options, progress.show, stop).run()
-    return (read(request.recording, NEEDED) if request.recording.is_file() else None), faults
+        supervisor = Supervisor(scenario, options, progress.show, stop)
+        faults = supervisor.run()
+    return (read(request.recording, NEEDED) if request.recording.is_file() else None), faults, supervisor.notes
 
 
 def _picture(scenario: Scenario, recording: Recording) -> Path | None:

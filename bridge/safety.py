@@ -30,6 +30,7 @@ class Gate:
         self.last_sequence = -1
         self.last_sample = -1
         self.last_apply = -1
+        self.in_force = -1  # since when the present value has acted [ns]
 
     def refuse(self, reason: str, text: str) -> Refusal:
         """Count a refusal."""
@@ -47,9 +48,10 @@ class Gate:
         self.accepted += 1
         return None
 
-    def release(self) -> None:
-        """Let anybody own the plant: its owner has been silent for too long."""
-        self.owner, self.last_sequence = None, -1
+    def release(self, since: int) -> None:
+        """Let anybody own the plant from an instant on [ns]; what was to act before it is of no use any more."""
+        self.owner, self.last_sequence, self.last_sample, self.last_apply = None, -1, -1, -1
+        self.in_force = since
 
     def _run(self, command: Any, now: int) -> tuple[str, str] | None:
         if command.run_id != self.run_id:
@@ -71,8 +73,10 @@ class Gate:
     def _order(self, command: Any, now: int) -> tuple[str, str] | None:
         if command.sequence <= self.last_sequence:
             return "out of order", f"command {command.sequence} after {self.last_sequence}"
-        if command.apply_at < self.last_apply:
-            return "stale", f"command for {command.apply_at} ns is older than the one for {self.last_apply} ns"
+        if command.apply_at < self.in_force:
+            return "stale", f"command for {command.apply_at} ns is older than the one in force since {self.in_force} ns"
+        if command.sample_stamp < self.last_sample:
+            return "stale", f"answer to {command.sample_stamp} ns after the one to {self.last_sample} ns"
         return None
 
     def _time(self, command: Any, now: int) -> tuple[str, str] | None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.bus import Bus
-from bridge.clock import Stop
+from bridge.clock import NOTE, Stop
 from bridge.identity import derived
 from bridge.link import Link, LinkError, free_endpoint
 from bridge.messages import decode
@@ -60,6 +60,11 @@ class Child:
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
         return f"the {self.role} (pid {self.process.pid}) ended with {how}" + (f": {words[-1]}" if words else "")
 
+    def notes(self) -> list[str]:
+        """What it has to say that is no failure."""
+        lines = self.words.read_text(errors="replace").splitlines()
+        return [f"{self.role}: {line.removeprefix(NOTE)}" for line in lines if line.startswith(NOTE)]
+
     def end(self) -> None:
         """Make sure that it is gone."""
         if not self.ended():
@@ -79,6 +84,7 @@ class Supervisor:
         self.show = show
         self.stop = stop
         self.faults: list[str] = []
+        self.notes: list[str] = []  # what people should know, without being a failure
         self.children: list[Child] = []
         self._heard = time.monotonic()
         self._started = False
@@ -96,6 +102,7 @@ class Supervisor:
             finally:
                 for child in self.children:
                     child.end()
+                    self.notes += child.notes()
         return self.faults
 
     def _start(self, folder: Path, endpoint: str) -> None:
@@ -154,7 +161,7 @@ class Supervisor:
             return
         self._heard, self._started = time.monotonic(), True
         values = dict(zip(status.names, (float(value) for value in status.values), strict=True))
-        if status.phase not in ("running", "safe", "waiting"):
+        if status.phase not in ("running", "safe"):
             self._plant_over = self._plant_over or time.monotonic()
         self.show(values | {"phase": status.phase})
 

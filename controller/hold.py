@@ -18,6 +18,7 @@ class Hold:
 
     def __init__(self, value: float) -> None:
         self.value = value
+        self.since = -1  # instant from which the last command that acted was meant to act [ns]
         self._pending: deque[tuple[int, float]] = deque()
 
     def put(self, apply_at: int, value: float) -> None:
@@ -33,5 +34,5 @@ class Hold:
             if apply_at > begin:
                 yield Segment(begin, apply_at, self.value)
                 begin = apply_at
-            self.value = value
+            self.value, self.since = value, apply_at
         yield Segment(begin, end, self.value)

@@ -1,13 +1,15 @@
 """The command line as a newcomer meets it."""
 
 import json
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 
 import pytest
 from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
-from tests.processes import hydrotwin
+from tests.processes import ENVIRONMENT, ROOT, hydrotwin
 
 VERBS = (
     *("run", "check", "scenarios", "schema", "plant", "controller", "record", "router", "reset"),
@@ -125,6 +127,16 @@ def test_messages_print_formats_and_definitions():
 def test_the_schema_is_json_schema():
     schema = json.loads(hydrotwin("schema").stdout)
     assert schema["properties"]["loop"]
+
+
+def test_the_readme_speaks_python(tmp_path):
+    """The snippet of the README runs as it stands."""
+    snippet = (ROOT / "README.md").read_text().partition("```python\n")[2].partition("```")[0]
+    done = subprocess.run(
+        [sys.executable, "-c", snippet], capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.split()) == 2
 
 
 def test_completion_can_be_shown():

@@ -128,6 +128,20 @@ def test_silence_centres_the_valve_within_the_timeout_and_a_tick():
     assert reference[60:] == [0.0] * 40
 
 
+def test_a_backlog_from_before_the_safe_state_does_not_act():
+    """A controller that was stopped sends what it had computed: too old, whether the plant latches or resumes."""
+    side = plant("loop.command_timeout=0.02", "loop.after_timeout=resume")
+    assert side.take(command(0, 0, 0, 1.0))
+    for _ in range(50):
+        side.tick()
+    for k in range(1, 4):
+        assert not side.take(command(k, k * 10 * MS // 2, k * 10 * MS // 2, 0.9))
+    assert side.gate.refused == {"stale": 3}
+    side.tick()
+    assert side.hold.value == 0.0
+    assert side.watchdog.trips == 1
+
+
 @pytest.mark.parametrize(("policy", "taken"), [("latch", False), ("resume", True)])
 def test_after_the_timeout_the_plant_latches_or_resumes_as_configured(policy, taken):
     side = plant("loop.command_timeout=0.02", f"loop.after_timeout={policy}")

@@ -134,15 +134,15 @@ def noise(endpoint: str, run_id: int) -> None:
         bus.subscribe("command", lambda sample: came.append(sample.payload.to_bytes()))
         bus.watch()
         wait_for(lambda: len(came) > 5, 30)
-        _, owner, _, stamp, _, _ = struct.unpack("<4xQQQqqd", came[-1])
+        _, owner, sequence, stamp, _, _ = struct.unpack("<4xQQQqqd", came[-1])
         for turn in range(100):
-            for source, ahead, spool in (
-                (4711, 0, 0.9),
-                (owner, 0, float("nan")),
-                (owner, 0, 1e300),
-                (owner, 60_000_000_000, 0.5),
+            for source, number, ahead, spool in (
+                (4711, turn, 0, 0.9),
+                (4711, turn, 0, float("nan")),
+                (4711, turn, 0, 1e300),
+                (owner, sequence, 60_000_000_000, 0.5),
             ):
-                wrong = ValveCommand(run_id, source, 10**9 + turn, stamp, stamp + ahead, spool)
+                wrong = ValveCommand(run_id, source, number, stamp, stamp + ahead, spool)
                 bus.session.put("rig/command", encode(wrong))
             bus.session.put("rig/command", b"no command at all")
             bus.session.put("rig/command", b"\x00" * 52, encoding=zenoh.Encoding("application/cdr;std_msgs/msg/String"))

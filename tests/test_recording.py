@@ -107,7 +107,7 @@ def test_order_is_restored_whatever_way_messages_come(scenario, recording):
         tick = sorted(group, key=lambda e: (e.topic != "measurement", e.topic))
         for entry in tick:
             mine[entry.topic in ("command", "reference")].append(entry)
-    order, out = Order(scenario.loop.grid(), controlled=True), []
+    order, out = Order(scenario.loop.grid()), []
     while mine[True] or mine[False]:
         source = mine[rng.random() < 0.3]
         if source:

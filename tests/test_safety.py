@@ -40,6 +40,21 @@ def test_nonsense_is_refused_by_its_name_and_leaves_no_trace(bad, reason):
     assert gate.check(command(), now=MS) is None
 
 
+def test_an_earlier_instant_may_still_replace_a_later_one_that_has_not_acted():
+    gate = Gate(RUN, GRID)
+    assert gate.check(command(0, apply_at=9 * NS), now=0) is None
+    assert gate.check(command(1, apply_at=10 * MS), now=0) is None
+    assert gate.last_apply == 10 * MS
+
+
+def test_an_answer_to_an_older_sample_is_stale():
+    gate = Gate(RUN, GRID)
+    assert gate.check(command(0, stamp=10 * MS, apply_at=20 * MS), now=10 * MS) is None
+    older = gate.check(command(1, stamp=0, apply_at=20 * MS), now=10 * MS)
+    assert older is not None
+    assert older.reason == "stale"
+
+
 def test_limits_themselves_are_taken():
     gate = Gate(RUN, GRID)
     assert gate.check(command(0, spool=1.0), now=0) is None
@@ -49,6 +64,7 @@ def test_limits_themselves_are_taken():
 def test_order_is_by_sequence_and_by_time_of_action():
     gate = Gate(RUN, GRID)
     assert gate.check(command(5, apply_at=20 * MS), now=0) is None
+    gate.in_force = 20 * MS
     again, older = gate.check(command(5, apply_at=30 * MS), now=0), gate.check(command(6, apply_at=10 * MS), now=0)
     assert again is not None
     assert older is not None
@@ -61,7 +77,7 @@ def test_the_first_valid_controller_owns_the_plant_until_released():
     second = gate.check(command(0, source=OTHER), now=0)
     assert second is not None
     assert second.reason == "second controller"
-    gate.release()
+    gate.release(0)
     assert gate.check(command(0, source=OTHER), now=0) is None
     assert gate.owner == OTHER
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bridge.bands import METRIC_UNITS, parse_band
+from bridge.bands import METRICS, parse_band
 from bridge.scenario import Scenario, ScenarioError, check, load, names
 from bridge.units import UNITS, quantity
 from controller.reference import evaluate
@@ -42,6 +42,10 @@ def test_the_built_in_scenarios_are_there_and_load():
         ("rig.oil.temperature=95", "must be at most 80"),
         ("rig.cylinder.rod='60 mm'", "must be thinner than cylinder.bore"),
         ("controller.gain.x=1", "controller.gain"),
+        ("controller.gain=nan", "no finite gain"),
+        ("controller.gain=true", "is no gain"),
+        ("daq.tachometer=false", "needs a tachometer"),
+        ("loop.delay='11 s'", "loop.delay: 11.0 must be at most 10.0"),
         ("nonsense", "is no change"),
     ],
 )
@@ -107,7 +111,7 @@ def test_units_convert_by_their_factor(unit, value):
         assert quantity(f"{value!r} {name}", unit) == pytest.approx(value * factor + offset, rel=1e-12, abs=1e-12)
 
 
-@pytest.mark.parametrize("metric", sorted(METRIC_UNITS))
+@pytest.mark.parametrize("metric", sorted(METRICS))
 def test_a_band_for_every_metric(metric):
     band = parse_band(f"{metric.replace('_', ' ')} <= 3")
     assert (band.metric, band.relation, band.limit) == (metric, "<=", 3.0)

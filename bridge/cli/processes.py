@@ -2,12 +2,17 @@
 
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bridge.cli.app import CHANGES, SCENARIO, ProcessMode
+from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, ProcessMode, print_json
+from bridge.link import DEFAULT_ENDPOINT
 
+if TYPE_CHECKING:
+    from bridge.scenario import Scenario
+
+FASTEST_DAQ = 0.2e-3  # [s] of wall time
 CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.")]
 CONFIG = Annotated[
     Path | None, typer.Option("--zenoh-config", help="Zenoh configuration file: TLS, passwords, access control.")
@@ -15,7 +20,6 @@ CONFIG = Annotated[
 MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
 FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")]
 SUPERVISED = Annotated[bool, typer.Option("--supervised", hidden=True)]
-ENDPOINT = "tcp/127.0.0.1:7447"
 
 
 def _supervised(yes: bool) -> None:
@@ -30,7 +34,7 @@ def plant(
     changes: CHANGES = None,
     mode: MODE = ProcessMode.realtime,
     speed: Annotated[float, typer.Option(min=0.01, max=100.0, help="Simulated seconds per second.")] = 1.0,
-    listen: Annotated[str | None, typer.Option(help=f"Address to listen on.  [default: {ENDPOINT}]")] = None,
+    listen: Annotated[str | None, typer.Option(help=f"Address to listen on.  [default: {DEFAULT_ENDPOINT}]")] = None,
     connect: Annotated[str | None, typer.Option(help="Connect to a router instead of listening.")] = None,
     zenoh_config: CONFIG = None,
     run_id: Annotated[
@@ -42,6 +46,7 @@ def plant(
     ] = None,
     patience: Annotated[float, typer.Option(help="Seconds to wait for partners, and in lockstep for commands.")] = 10.0,
     fifo: FIFO = False,
+    as_json: AS_JSON = False,
     supervised: SUPERVISED = False,
 ) -> None:
     """Simulate the rig: publish measurements, take valve commands.
@@ -55,23 +60,28 @@ def plant(
     from bridge.plant_process import PlantOptions, run_plant
     from bridge.scenario import load
 
-    link = Link(listen or (None if connect or zenoh_config else ENDPOINT), connect, zenoh_config, patience)
+    link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, patience)
     awaited = tuple(partners or (["controller"] if mode == ProcessMode.lockstep else []))
     options = PlantOptions(mode.value, speed, fifo, fresh() if run_id is None else run_id, awaited, patience)
     checked = load(scenario, changes)
-    refuse_fast_daq(checked, speed)
-    print(f"hydrotwin: plant {run_plant(checked, link, options)}")
+    if mode == ProcessMode.realtime:
+        refuse_fast_daq(checked, speed)
+    words = run_plant(checked, link, options)
+    if as_json:
+        print_json(words)
+    else:
+        print("\n".join(f"{name:24} {value:g}" for name, value in words.items() if isinstance(value, int | float)))
 
 
-def refuse_fast_daq(scenario, speed: float) -> None:
-    """Real time goes to 5 kHz; faster acquisition is for `--mode inprocess`."""
+def refuse_fast_daq(scenario: "Scenario", speed: float) -> None:
+    """Real time goes to 5 kHz; faster acquisition is for lockstep and in process."""
     from bridge.scenario import ScenarioError
 
-    period = scenario.loop.daq_period / speed
-    if period < 199e-6:
+    least = FASTEST_DAQ * speed
+    if scenario.loop.daq_period < least * 0.999:
         raise ScenarioError(
-            f"loop.daq_period {scenario.loop.daq_period:g} s at speed {speed:g}: processes go to 5 kHz; "
-            "nearest valid: 0.0002 s at speed 1; faster with --mode inprocess"
+            f"loop.daq_period {scenario.loop.daq_period:g} s at speed {speed:g}: real time goes to 5 kHz; "
+            f"nearest valid: {least:g} s; faster with --mode lockstep or inprocess"
         )
 
 
@@ -80,7 +90,7 @@ def controller(
     changes: CHANGES = None,
     law: Annotated[str | None, typer.Option(help="Your own law as module:function, or pd, relay, open-loop.")] = None,
     mode: MODE = ProcessMode.realtime,
-    connect: CONNECT = ENDPOINT,
+    connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,
     source: Annotated[
         int | None, typer.Option(help="Identity of this controller. [default: random]", show_default=False)
@@ -113,9 +123,10 @@ def record(
     ] = None,
     rig: Annotated[str, typer.Option(help="Name of the rig to record.")] = "rig",
     mode: MODE = ProcessMode.realtime,
-    connect: CONNECT = ENDPOINT,
+    connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,
     patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
+    as_json: AS_JSON = False,
     supervised: SUPERVISED = False,
 ) -> None:
     """Record everything on a rig's keys to an MCAP file until the plant ends."""
@@ -125,7 +136,11 @@ def record(
 
     path = output or Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
     link = Link(None, connect, zenoh_config, patience)
-    print(f"hydrotwin: recorded {run_recorder(path, rig, link, mode == ProcessMode.lockstep)}")
+    written = run_recorder(path, rig, link, mode == ProcessMode.lockstep)
+    if as_json:
+        print_json({"recording": str(written)})
+    else:
+        print(f"hydrotwin: recorded {written}")
 
 
 def router(
@@ -140,8 +155,9 @@ def router(
 
 def reset(
     rig: Annotated[str, typer.Option(help="Name of the rig.")] = "rig",
-    connect: CONNECT = ENDPOINT,
+    connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,
+    as_json: AS_JSON = False,
 ) -> None:
     """Bring a plant out of its safe state."""
     from bridge.bus import Bus
@@ -150,4 +166,7 @@ def reset(
     with Bus(Link(None, connect, zenoh_config, 2.0), rig, "operator", blocking=True) as bus:
         bus.session.put(f"{rig}/reset", b"\x00\x01\x00\x00\x00")
         time.sleep(0.1)
-    print(f"hydrotwin: reset sent to {rig}")
+    if as_json:
+        print_json({"reset": rig})
+    else:
+        print(f"hydrotwin: reset sent to {rig}")

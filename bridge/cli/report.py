@@ -7,26 +7,11 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from bridge.bands import METRICS, value_with_unit
 from bridge.check import CheckResult
 from bridge.run import Outcome
 
 UNFOLDED = 200  # columns, where nobody's window is to be kept to
-METRICS = {  # key: (words, factor, unit)
-    "rise_time": ("rise time (10-90 %)", 1e3, "ms"),
-    "overshoot": ("overshoot", 1e2, "%"),
-    "settling_time": ("settling time (2 %)", 1e3, "ms"),
-    "steady_error": ("steady error", 1e3, "mm"),
-    "rms_error": ("rms error", 1e3, "mm"),
-    "max_error": ("largest error", 1e3, "mm"),
-    "limit_cycle_amplitude": ("limit cycle amplitude", 1e3, "mm"),
-    "limit_cycle_frequency": ("limit cycle frequency", 1.0, "Hz"),
-    "peak_p1": ("peak p1", 1e-5, "bar"),
-    "peak_p_lower": ("peak p_lower", 1e-5, "bar"),
-    "peak_p_upper": ("peak p_upper", 1e-5, "bar"),
-    "min_p_lower": ("least p_lower", 1e-5, "bar"),
-    "min_p_upper": ("least p_upper", 1e-5, "bar"),
-    "valve_travel": ("valve travel", 1.0, "travels"),
-}
 
 
 def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
@@ -39,23 +24,19 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     Console(width=None if sys.stdout.isatty() else UNFOLDED).print(table)
 
 
-def value_with_unit(metric: str, value: float | None) -> str:
-    """A metric as people read it."""
-    _, factor, unit = METRICS[metric]
-    return "-" if value is None or value != value else f"{value * factor:.4g} {unit}"
-
-
 def print_summary(outcome: Outcome) -> None:
     """The summary of a run."""
     summary = outcome.summary
     console = Console()
     if "ending" in summary:
         console.print(f"[bold]{summary['scenario']}[/bold] {summary['mode']}: {summary['ending']}")
-        rows = [(METRICS[name][0], value_with_unit(name, value)) for name, value in summary["metrics"].items()]
+        rows = [(METRICS[name].words, value_with_unit(name, value)) for name, value in summary["metrics"].items()]
         print_table(("control", ""), rows)
         print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary["timing"]))
         for line in _counts(summary):
             console.print(line, highlight=False)
+    for note in summary["notes"]:
+        console.print(f"[yellow]{note}[/yellow]", highlight=False)
     for fault in outcome.faults:
         console.print(f"[red]{fault}[/red]", highlight=False, markup=True)
     if outcome.recording:

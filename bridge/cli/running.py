@@ -46,7 +46,7 @@ def run(
     from bridge.scenario import load
 
     checked = load(scenario, _changes(changes, duration, seed))
-    if mode != Mode.inprocess:
+    if mode == Mode.realtime:
         refuse_fast_daq(checked, speed)
     path = recording or default_recording(checked.name)
     outcome = run_scenario(checked, RunRequest(mode.value, speed, fifo, path, patience, external, listen))
@@ -55,6 +55,7 @@ def run(
     else:
         print_summary(outcome)
         if summary_file:
+            summary_file.parent.mkdir(parents=True, exist_ok=True)
             summary_file.write_text(json.dumps(outcome.summary, indent=2))
     raise typer.Exit(1 if outcome.faults else 0)
 
@@ -83,8 +84,13 @@ def check(
     from bridge.scenario import load
 
     loaded = [load(name, changes) for name in scenarios]
-    results = [check_scenario(scenario, mode.value, output) for scenario in loaded]
+    results = []
+    for scenario in loaded:
+        results.append(check_scenario(scenario, mode.value, output))
+        if any("interrupted" in fault for fault in results[-1].faults):
+            break
     if junit:
+        junit.parent.mkdir(parents=True, exist_ok=True)
         junit.write_text(junit_xml(results))
     if as_json:
         print_json([result.plain() for result in results])

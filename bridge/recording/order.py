@@ -16,10 +16,10 @@ Ordered = tuple[str, int, int, bytes]  # topic, log time, sequence, payload
 class Order:
     """Sorts messages by (log_time, channel, sequence) as they become safe to write."""
 
-    def __init__(self, grid: Sampling, controlled: bool) -> None:
+    def __init__(self, grid: Sampling) -> None:
         self._heap: list[tuple[int, str, int, bytes]] = []
         self._plant = 0  # nothing of the plant's before this [ns] is still to come
-        self._controller = grid.offset if controlled else ALWAYS
+        self._controller = grid.offset  # the same for the controller's
 
     def add(self, topic: str, log_time: int, sequence: int, payload: bytes) -> Iterator[Ordered]:
         """Take a message and give back those that are now in order."""

@@ -29,13 +29,12 @@ QOS = """\
 
 
 class RecordingWriter:
-    """One file of one run. `clock` says the time [ns] by which chunks are closed: wall in real time, else simulated."""
+    """One file of one run."""
 
     def __init__(self, path: Path, rig_name: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         self.path = path
         self.rig_name = rig_name
-        self.counts: dict[str, int] = {}
         self._file = path.open("wb")
         self._writer = Writer(self._file, chunk_size=CHUNK, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="hydrotwin")
@@ -51,7 +50,6 @@ class RecordingWriter:
             sequence=sequence & 0xFFFFFFFF,
             data=payload,
         )
-        self.counts[topic] = self.counts.get(topic, 0) + 1
 
     def metadata(self, name: str, values: Mapping[str, Any]) -> None:
         """Add a named record of facts about the run; values that are no text are written as JSON."""

@@ -58,7 +58,11 @@ class Gain(Worded):
 
     def read(self, value: object) -> str:
         """The number with its unit."""
+        if isinstance(value, bool):
+            raise ValueError(f"{value!r} is no gain; write a number in {self.volts}")
         number, unit = (float(value), "") if isinstance(value, int | float) else split(str(value))
+        if not math.isfinite(number):
+            raise ValueError(f"{value!r} is no finite gain")
         unit = unit or self.volts
         if unit not in self.units:
             near = difflib.get_close_matches(unit, self.units, n=1, cutoff=0.0)[0]

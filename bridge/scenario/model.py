@@ -36,7 +36,7 @@ class Loop(Part):
     daq_period: Seconds = Field(default=1e-3, gt=0.0, description="from measurement to measurement")
     sample_period: Seconds = Field(default=10e-3, gt=0.0, description="of the controller, whole DAQ periods")
     offset: Seconds = Field(default=0.0, ge=0.0, description="of the first sample, whole DAQ periods")
-    delay: Seconds = Field(default=0.0, ge=0.0, description="from sample to action, whole internal steps")
+    delay: Seconds = Field(default=0.0, ge=0.0, le=10.0, description="from sample to action, whole internal steps")
     command_timeout: Seconds = Field(default=0.1, gt=0.0, description="silence after which the valve is centred")
     after_timeout: Literal["latch", "resume"] = Field(
         default="latch", description="stay safe until reset, or until commands resume"
@@ -154,6 +154,12 @@ class Scenario(Part):
             )
         if self.daq.skew * 4 > self.loop.step:
             raise ValueError(f"daq.skew {self.daq.skew} s: a scan must fit in a step, at most {self.loop.step / 4} s")
+        settings = self.controller
+        if settings.law in ("pd", "relay") and settings.velocity == "measured" and not self.daq.tachometer:
+            raise ValueError(
+                "controller.velocity 'measured' needs a tachometer: set daq.tachometer = true, "
+                "or controller.velocity = 'backward' or 'filtered'"
+            )
         for text in self.expect:
             parse_band(text)
         self.reference.reference()

@@ -30,7 +30,7 @@ def rows(folder: Path) -> Iterator[Row]:
 
 
 def _ours(path: Path, scenario, messages) -> None:
-    writer, order = RecordingWriter(path, "rig"), Order(scenario.loop.grid(), controlled=True)
+    writer, order = RecordingWriter(path, "rig"), Order(scenario.loop.grid())
     for message in messages:
         for entry in order.add(*message):
             writer.write(*entry)
