@@ -99,6 +99,21 @@ def test_ctrl_c_at_any_time_leaves_no_process_and_a_readable_recording(path, sec
         assert "interrupted" in output
 
 
+def test_a_stalled_recorder_neither_holds_the_plant_nor_loses_a_message(path):
+    """Stopped for two seconds: ticks go on, by far less late than that, and what was sent meanwhile still comes."""
+    with started("run", "square", "--duration", "6", *LOOSE, "--record", str(path)) as run:
+        recorder = child(run.pid, "record")
+        wait_for(lambda: grown(path, RUNNING), 30)
+        with_signal(recorder, signal.SIGSTOP)
+        time.sleep(2.0)
+        with_signal(recorder, signal.SIGCONT)
+        run.communicate(timeout=60)
+    recording = read(path)
+    assert recording.metadata["summary"]["timing"]["lateness"]["max"] < 1.0
+    assert len(recording.columns("measurement")["tick"]) == 6001
+    assert not recording.metadata["summary"]["lost"]
+
+
 def test_a_killed_supervisor_takes_its_processes_along(path):
     with started("run", "step", "--duration", "60", "--record", str(path)) as run:
         wait_for(lambda: grown(path, RUNNING), 30)
