@@ -54,6 +54,10 @@ class Bus:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the bus."""
         self.session.close()
 
     def publish(self, message: Outgoing, payload: bytes | None = None) -> None:

@@ -15,9 +15,10 @@ from bridge.link import Link
 from bridge.messages import LoopTiming, Outgoing
 from bridge.plant_side import PlantSide
 from bridge.scenario import Scenario
-from controller.sampling import NS
+from controller.sampling import NS, is_sample
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
+UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
 LINGER = 5.0  # seconds that partners get to finish
 
 
@@ -111,7 +112,6 @@ class PlantProcess:
         )
 
     def _real_time(self) -> None:
-        self.side.tick_number = 0
         period = self.side.grid.daq / self.options.speed
         policy = self.scenario.real_time
         overruns = Overruns(period, policy.grace * NS)
@@ -166,10 +166,10 @@ class PlantProcess:
     def _publish(self, messages: list[Outgoing], sent: int = 0) -> None:
         for message in messages:
             self.bus.publish(message)
-        if sent:
+        if sent and is_sample(self.side.now, self.side.grid):
             self._sent[self.side.now] = sent
-            if len(self._sent) > 20_000:
-                self._sent.clear()
+            if len(self._sent) > UNANSWERED:
+                del self._sent[next(iter(self._sent))]
 
     def _time(self, lateness: int, cost: int, trip: int, slack: int) -> None:
         side = self.side

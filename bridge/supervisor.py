@@ -7,6 +7,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -129,7 +130,8 @@ class Supervisor:
         mine = sorted(os.sched_getaffinity(0))
         for child in self.children:
             together = child.role in ("plant", "controller")
-            os.sched_setaffinity(child.process.pid, mine[:1] if together else mine[1:] or mine)
+            with suppress(ProcessLookupError):
+                os.sched_setaffinity(child.process.pid, mine[:1] if together else mine[1:] or mine)
 
     def _watch(self, endpoint: str) -> None:
         bus = self._listen(endpoint)
@@ -138,7 +140,7 @@ class Supervisor:
                 time.sleep(0.05)
         finally:
             if bus is not None:
-                bus.__exit__()
+                bus.close()
 
     def _listen(self, endpoint: str) -> Bus | None:
         """Our own ear for what the processes say of themselves."""

@@ -139,6 +139,13 @@ def test_the_readme_speaks_python(tmp_path):
     assert len(done.stdout.split()) == 2
 
 
+def test_the_scenario_of_the_readme_passes_its_own_check(tmp_path):
+    snippet = (ROOT / "README.md").read_text().partition("```toml\n")[2].partition("```")[0]
+    (tmp_path / "own.toml").write_text(snippet)
+    done = hydrotwin("check", "own.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+
+
 def test_completion_can_be_shown():
     done = hydrotwin("--show-completion", "bash")
     assert "complete" in done.stdout + done.stderr

@@ -1,6 +1,5 @@
 """The Rerun view: the file holds what the recording holds, the page answers and ends, mistakes get one line."""
 
-import builtins
 import re
 import signal
 import subprocess
@@ -96,14 +95,7 @@ def test_axis_holds_the_curves_and_no_constant_is_squeezed():
 
 
 def test_without_rerun_one_line_says_how_to_get_it(recorded: Path, monkeypatch: pytest.MonkeyPatch):
-    genuine = builtins.__import__
-
-    def refuse(name: str, *rest, **more):
-        if name.partition(".")[0] == "rerun":
-            raise ImportError(name)
-        return genuine(name, *rest, **more)
-
-    monkeypatch.setattr(builtins, "__import__", refuse)
+    monkeypatch.setattr("bridge.view.rerun.find_spec", lambda name: None)
     with pytest.raises(ScenarioError, match=re.escape("pip install 'hydrotwin[view]'")) as raised:
         show(recorded, web=False, save=recorded.with_name("never.rrd"))
     assert "\n" not in str(raised.value)

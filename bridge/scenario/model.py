@@ -68,7 +68,7 @@ class Controller(Part):
     )
     filter_time: Seconds = Field(default=20e-3, ge=0.0, description="lag of the filtered difference")
     limit: Fraction = Field(default=1.0, gt=0.0, le=1.0, description="saturation of the spool reference")
-    compensate_overlap: bool = Field(default=True, description="jump over the dead band of the valve's lands")
+    compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
 
 
 class Daq(Part):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import quote
 
@@ -37,10 +38,8 @@ def show(file: Path, web: bool, save: Path | None) -> None:
 
 
 def _require_rerun() -> None:
-    try:
-        import rerun  # noqa: F401
-    except ImportError:
-        raise ScenarioError("Rerun is not installed: pip install 'hydrotwin[view]'") from None
+    if find_spec("rerun") is None:
+        raise ScenarioError("Rerun is not installed: pip install 'hydrotwin[view]'")
 
 
 def _require_screen() -> None:
