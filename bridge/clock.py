@@ -64,7 +64,7 @@ class Overruns:
 
 
 class Stop:
-    """Ctrl-C and SIGTERM as a question: `stop()` is True once one has come. A second one is not asked twice."""
+    """Ctrl-C and SIGTERM as a question: `stop()` is True once one has come. A second Ctrl-C does not ask."""
 
     def __init__(self) -> None:
         self.asked = False
@@ -74,8 +74,8 @@ class Stop:
     def __call__(self) -> bool:
         return self.asked
 
-    def _ask(self, *_: object) -> None:
-        if self.asked:
+    def _ask(self, number: int, *_: object) -> None:
+        if self.asked and number == signal.SIGINT:
             raise KeyboardInterrupt
         self.asked = True
 
