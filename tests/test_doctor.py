@@ -69,7 +69,6 @@ def test_one_core_or_a_busy_machine_is_fair(cores: int, load: float, state: str,
     assert doctor.processor()[0] == state
 
 
-@pytest.mark.skipif(not hasattr(os, "sched_getscheduler"), reason="Linux only")
 def test_probes_leave_the_process_as_it_was():
     def locked() -> str:
         return next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmLck"))
