@@ -1,4 +1,6 @@
-"""What a scenario expects, in words: "overshoot <= 5 %", "limit cycle: none", "peak p_lower <= 80 bar"."""
+"""What a scenario expects, in words: "overshoot <= 5 %", "limit cycle: none", "peak p_lower <= 80 bar", and of a part of
+the run: "mean p1 from impact + 300 ms to impact + 600 ms >= 66 bar".
+"""
 
 import difflib
 import re
@@ -6,6 +8,9 @@ from typing import NamedTuple
 
 from bridge.units import quantity
 from controller.metrics import Band, Metrics
+from controller.window import END, START, STATISTICS, Moment, WindowBand
+from twin.block import OBSERVED
+from twin.reading import BALANCE_UNITS
 
 
 class Shown(NamedTuple):
@@ -34,7 +39,14 @@ METRICS = {
     "valve_travel": Shown("valve travel", "", 1.0, "travels"),
 }
 assert set(METRICS) == set(Metrics._fields)
+SHOWN = {"Pa": (1e-5, "bar"), "m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "m^3/s": (6e4, "l/min"), "m^3": (1e6, "cm^3"), "N": (1.0, "N")}
+UNIT_OF = {"p": "Pa", "cavity": "m^3", "oil": "m^3", "flow": "m^3/s", "relief": "m", "position": "m", "velocity": "m/s"}
+UNIT_OF |= {"p1": "Pa", "spool": "", "mass": "kg", "friction": "N"}
+SIGNALS = {name: UNIT_OF[name.partition("_")[0]] for name in OBSERVED} | BALANCE_UNITS
+MOMENTS = (START, END, "contact", "impact")
 _BAND = re.compile(r"\s*(.+?)\s*(<=|>=)\s*(.+?)\s*")
+_WINDOW = re.compile(rf"({'|'.join(STATISTICS)}) (\S+)(?: from (.+?) to (.+?))?")
+_MOMENT = re.compile(r"([a-z]+)(?:\s*([+-])\s*(.+))?")
 _CYCLE = re.compile(r"\s*limit cycle\s*:\s*(\w+)\s*")
 SMALLEST_CYCLE = 1e-9  # [m]; what the metrics call no limit cycle is exactly zero
 
@@ -45,8 +57,14 @@ def value_with_unit(metric: str, value: float | None) -> str:
     return "-" if value is None or value != value else f"{value * shown.factor:.4g} {shown.shown_unit}"
 
 
-def parse_band(text: str) -> Band:
-    """The band that a text states. Raises ValueError naming the nearest valid metric or unit."""
+def signal_with_unit(signal: str, value: float) -> str:
+    """A statistic of a signal as people read it."""
+    factor, unit = SHOWN.get(SIGNALS[signal], (1.0, SIGNALS[signal]))
+    return "-" if value != value else f"{value * factor:.4g} {unit}".rstrip()
+
+
+def parse_band(text: str) -> Band | WindowBand:
+    """The band that a text states. Raises ValueError naming the nearest valid metric, signal, moment or unit."""
     if cycle := _CYCLE.fullmatch(text):
         return _cycle_band(text, cycle[1])
     match = _BAND.fullmatch(text)
@@ -54,6 +72,8 @@ def parse_band(text: str) -> Band:
         raise ValueError(
             f"expect {text!r}: write 'metric <= value unit', 'metric >= value unit' or 'limit cycle: none'"
         )
+    if window := _WINDOW.fullmatch(match[1]):
+        return _window_band(text, window, match[2], match[3])
     metric = match[1].replace(" ", "_").replace("-", "_")
     if metric not in METRICS:
         near = difflib.get_close_matches(metric, METRICS, n=1, cutoff=0.0)[0].replace("_", " ")
@@ -63,6 +83,30 @@ def parse_band(text: str) -> Band:
         return Band(metric, match[2], quantity(match[3], METRICS[metric].unit))
     except ValueError as error:
         raise ValueError(f"expect {text!r}: {error}") from None
+
+
+def _window_band(text: str, window: re.Match[str], relation: str, limit: str) -> WindowBand:
+    statistic, signal, begin, end = window.groups()
+    if signal not in SIGNALS:
+        near = difflib.get_close_matches(signal, SIGNALS, n=1, cutoff=0.0)[0]
+        raise ValueError(f"expect {text!r}: no signal {signal!r}; nearest: {near!r} (valid: {', '.join(SIGNALS)})")
+    try:
+        bounds = _moment(begin or START), _moment(end or END)
+        return WindowBand(statistic, signal, *bounds, relation, quantity(limit, SIGNALS[signal]))
+    except ValueError as error:
+        raise ValueError(f"expect {text!r}: {error}") from None
+
+
+def _moment(text: str) -> Moment:
+    """A time of the run, "3 s", or one counted from a moment, "impact + 300 ms"."""
+    match = _MOMENT.fullmatch(text)
+    if match is None:
+        return Moment(START, quantity(text, "s"))
+    if match[1] not in MOMENTS:
+        near = difflib.get_close_matches(match[1], MOMENTS, n=1, cutoff=0.0)[0]
+        raise ValueError(f"no moment {match[1]!r}; nearest: {near!r} (valid: {', '.join(MOMENTS)}, or a time)")
+    offset = quantity(match[3], "s") if match[3] else 0.0
+    return Moment(match[1], -offset if match[2] == "-" else offset)
 
 
 def _cycle_band(text: str, word: str) -> Band:

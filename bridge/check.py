@@ -4,10 +4,15 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.bands import parse_band, value_with_unit
-from bridge.run import RunRequest, run_scenario
+from bridge.bands import parse_band, signal_with_unit, value_with_unit
+from bridge.recording.reader import read
+from bridge.run import Outcome, RunRequest, run_scenario
 from bridge.scenario import Scenario
-from controller.metrics import Metrics, judge
+from controller.metrics import Band, Metrics, judge
+from controller.sampling import NS
+from controller.window import END, START, WindowBand, judge_window
+from twin.build import build
+from twin.reading import BALANCES, moments
 
 
 class Judgement(NamedTuple):
@@ -46,9 +51,7 @@ def check_scenario(scenario: Scenario, mode: str, folder: Path) -> CheckResult:
     """Run a scenario headless and judge it."""
     path = folder / f"{scenario.name}-check.mcap"
     outcome = run_scenario(scenario, RunRequest(mode, 1.0, False, path, 10.0, False, None))
-    found = outcome.summary.get("metrics", {})
-    values = {name: float("nan") if found.get(name) is None else found[name] for name in Metrics._fields}
-    verdicts = [_judge(text, Metrics(**values)) for text in scenario.expect]
+    verdicts = judge_run(outcome, scenario)
     return CheckResult(scenario, verdicts, outcome.faults, outcome.recording)
 
 
@@ -69,8 +72,40 @@ def junit_xml(results: list[CheckResult]) -> str:
     return ET.tostring(suites, encoding="unicode", xml_declaration=True)
 
 
-def _judge(text: str, metrics: Metrics) -> Judgement:
-    verdict = judge(metrics, [parse_band(text)])[0]
+def judge_run(outcome: Outcome, scenario: Scenario) -> list[Judgement]:
+    """A verdict on each band of a scenario; one on a run that left nothing behind fails."""
+    found = outcome.summary.get("metrics", {})
+    values = {name: float("nan") if found.get(name) is None else found[name] for name in Metrics._fields}
+    bands = [(text, parse_band(text)) for text in scenario.expect]
+    windows = [band for _, band in bands if isinstance(band, WindowBand)]
+    look = Look(outcome.recording, scenario) if windows and outcome.recording else None
+    return [
+        look_up(text, band, look) if isinstance(band, WindowBand) else _judge(text, band, Metrics(**values))
+        for text, band in bands
+    ]
+
+
+class Look:
+    """The true signals of a recorded run, its balances and its moments."""
+
+    def __init__(self, recording: Path, scenario: Scenario) -> None:
+        circuit = build(scenario.rig_values(), scenario.loop.step)
+        columns = read(recording, ("state",)).columns("state")
+        self.time = columns["stamp"] / NS
+        self.signals = columns | {n: balance(self.time, columns, circuit) for n, balance in BALANCES.items()}
+        self.moments = moments(self.time, columns, circuit) | {START: 0.0, END: float(self.time[-1])}
+
+
+def look_up(text: str, band: WindowBand, look: Look | None) -> Judgement:
+    """The verdict on a part of a run."""
+    if look is None:
+        return Judgement(text, "-", False)
+    verdict = judge_window(band, look.time, look.signals[band.signal], look.moments)
+    return Judgement(text, signal_with_unit(band.signal, verdict.value), verdict.passed)
+
+
+def _judge(text: str, band: Band, metrics: Metrics) -> Judgement:
+    verdict = judge(metrics, [band])[0]
     found = value_with_unit(verdict.metric, verdict.value)
     if verdict.metric == "limit_cycle_amplitude" and verdict.value > 0.0:
         found += f" at {value_with_unit('limit_cycle_frequency', metrics.limit_cycle_frequency)}"

@@ -24,10 +24,11 @@ from bridge.safety import Gate, Refusal, Watchdog
 from bridge.scenario import Scenario
 from controller.hold import Hold
 from controller.sampling import NS, last_due, to_ns
-from twin.block import OBSERVED, compiled_for, flatten, observe, run_block
+from twin.block import OBSERVED, compiled, run_block
+from twin.build import build
 from twin.equilibrium import equilibrium
-from twin.rig import build
 from twin.sensors import NOISE_ROWS, Card, acquire, noise_block
+from twin.state import flatten
 
 SAFE = 0.0  # spool reference of the safe state: valve centred
 Note = tuple[str, int, int, int, int, str]  # kind, source, command, apply_at, applied_at, text
@@ -50,8 +51,8 @@ class PlantSide:
         self.worst_lateness = 0
         self.published: dict[str, int] = {}
         self._viewer_ticks = max(1, round(loop.viewer_period * NS / self.grid.daq))
-        circuit = build(scenario.numbers(), loop.step)
-        self._circuit = compiled_for(circuit)
+        circuit = build(scenario.rig_values(), loop.step)
+        self._circuit = compiled(circuit)
         self._state = flatten(equilibrium(circuit, scenario.start.position))
         self._taps = np.zeros((2, 5))
         self._card = _card(scenario)
@@ -60,6 +61,7 @@ class PlantSide:
         self._observed = np.zeros(len(OBSERVED))
         self._notes: list[Note] = []
         acquire(self._taps, self._noise[0], self._card, loop.step, self._reading)  # compiled before the clock starts
+        self._run(SAFE, 0)
         self.measurement: Any = None
 
     @property
@@ -69,7 +71,7 @@ class PlantSide:
 
     def start(self) -> list[Outgoing]:
         """The messages of tick 0: the rig at rest."""
-        run_block(self._state, self.hold.value, self._circuit, 0, self._taps)
+        self._run(self.hold.value, 0)
         self._taps[0] = self._taps[1]
         self.note("started", f"scenario {self.scenario.name}, {self.scenario.duration:g} s")
         return self._messages()
@@ -120,7 +122,7 @@ class PlantSide:
         self._watch(begin, end)
         for segment in self.hold.segments(begin, end):
             steps = (segment.end - segment.begin) // self.grid.step
-            run_block(self._state, segment.value, self._circuit, steps, self._taps)
+            self._run(segment.value, steps)
         self.gate.in_force = max(self.gate.in_force, self.hold.since)
         self.tick_number += 1
         return [self._measure()] if lean else self._messages()
@@ -135,6 +137,9 @@ class PlantSide:
     ) -> None:
         """Record an event; it goes out, stamped, with the next messages."""
         self._notes.append((kind, source, command, apply_at, applied_at, text))
+
+    def _run(self, reference: float, steps: int) -> None:
+        run_block(self._state, reference, *self._circuit, steps, self._taps, self._observed)
 
     def _watch(self, begin: int, end: int) -> None:
         if self.gate.last_apply < 0 or self.watchdog.safe:
@@ -190,7 +195,6 @@ class PlantSide:
         return Outgoing("measurement", self.now, sequence, self.measurement)
 
     def _true_state(self) -> Outgoing:
-        observe(self._state, self._circuit, self._observed)
         sequence = self._count("state")
         values = self._observed.tolist()
         state = PlantState(self.run_id, sequence, self.tick_number, self.now, self.hold.value, *values)

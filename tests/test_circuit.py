@@ -2,15 +2,17 @@
 
 import math
 
+import numpy as np
 import pytest
 from scipy.optimize import root_scalar
 
-from tests.plant import BAR, FRICTIONLESS, TIGHT, circuit, run, states
-from twin.circuit import Circuit, Piston, State, chamber_cavities, pressures
-from twin.cylinder import chamber_volumes
-from twin.equilibrium import equilibrium, fill
+from tests.plant import BAR, FRICTIONLESS, SMOOTH, TIGHT, circuit, pipes, run, states
+from twin.circuit import Circuit, Piston, Spool
+from twin.cylinder import chamber_cavities, chamber_volumes
+from twin.equilibrium import equilibrium, state_at
 from twin.linear import moving_point
 from twin.pump import pump_flow
+from twin.state import State, flatten, flows, pressures
 
 
 def rising(c: Circuit) -> State:
@@ -22,37 +24,37 @@ def rising(c: Circuit) -> State:
 @pytest.mark.parametrize("leak", [1.04e12, math.inf])
 def test_piston_rises_with_the_oil_of_the_pump(mass: float, leak: float):
     """(Q_pump(p) - leak)/A_l, within 0.1 %: 5 bar of line loss compress 0.04 %, the rest is ringing."""
-    c = circuit(seal=FRICTIONLESS, cylinder={"leakage_resistance": leak}, load={"mass": mass})
+    c = circuit(pump=SMOOTH, seal=FRICTIONLESS, cylinder={"leakage_resistance": leak}, load={"mass": mass})
     end = rising(c)
-    p = pressures(end, c)
-    oil = pump_flow(p.pump, c.pump) - (p.lower - p.upper) / leak
-    assert p.tee < c.relief.cracking
-    assert end.piston.velocity == pytest.approx(oil / c.cylinder.area_lower, rel=1e-3)
+    p = pressures(end)
+    oil = pump_flow(p.pump, 1.0, c.parts.pump) - (p.lower - p.upper) / leak
+    assert end.core.relief.flow == 0.0
+    assert end.piston.velocity == pytest.approx(oil / c.parts.cylinder.area_lower, rel=1e-3)
 
 
 def test_piston_rises_at_0_384_m_per_s_when_p1_is_35_bar():
     """26.7 l/min over the annulus, pi/4 (50^2 - 32^2) mm^2."""
 
     def loaded(force: float) -> Circuit:
-        return circuit(seal=FRICTIONLESS, cylinder=TIGHT, load={"force": force})
+        return circuit(pump=SMOOTH, seal=FRICTIONLESS, cylinder=TIGHT, load={"force": force})
 
     def p1(force: float) -> float:
         c = loaded(force)
-        return pressures(moving_point(c, 0.135, 1.0), c).tee
+        return pressures(moving_point(c, 0.135, 1.0)).tee
 
     c = loaded(root_scalar(lambda force: p1(force) - 35 * BAR, bracket=(-1e3, 4e3), xtol=1e-3).root)
     end = rising(c)
-    assert pressures(end, c).tee / BAR == pytest.approx(35.0, abs=0.1)
+    assert pressures(end).tee / BAR == pytest.approx(35.0, abs=0.1)
     assert end.piston.velocity == pytest.approx(0.384, abs=1e-3)
 
 
 @pytest.mark.parametrize("mass", [120.0, 302.0])
 def test_force_balance_of_steady_motion(mass: float):
     """p_l A_l - p_u A_u = m g without friction, within 0.01 bar of the annulus."""
-    c = circuit(seal=FRICTIONLESS, load={"mass": mass})
-    p = pressures(run(moving_point(c, 0.05, 1.0), 1.0, c, 0.4), c)
-    force = p.lower * c.cylinder.area_lower - p.upper * c.cylinder.area_upper
-    assert force == pytest.approx(mass * 9.81, abs=0.01 * BAR * c.cylinder.area_lower)
+    c = circuit(pump=SMOOTH, seal=FRICTIONLESS, load={"mass": mass})
+    p, cylinder = pressures(run(moving_point(c, 0.05, 1.0), 1.0, c, 0.4)), c.parts.cylinder
+    force = p.lower * cylinder.area_lower - p.upper * cylinder.area_upper
+    assert force == pytest.approx(mass * 9.81, abs=0.01 * BAR * cylinder.area_lower)
     assert p.upper > 5 * BAR
 
 
@@ -72,11 +74,11 @@ def test_a_leaking_cylinder_sinks_at_the_rate_of_the_leak(mass: float, mm_per_s:
     c = circuit(seal=FRICTIONLESS, load={"mass": mass})
     start = run(equilibrium(c, 0.02), 0.0, c, 2.0)
     end = run(start, 0.0, c, 4.0)
-    p = pressures(end, c)
-    speed = (p.lower - p.upper) / (c.cylinder.leakage_resistance * c.cylinder.area_lower)
-    speed /= 1.0 + p.lower / c.oil.bulk_modulus
+    p, cylinder = pressures(end), c.parts.cylinder
+    speed = (p.lower - p.upper) * cylinder.leakage / cylinder.area_lower
+    speed /= 1.0 + p.lower / cylinder.bulk_modulus
     assert p.upper == -1 * BAR
-    assert chamber_cavities(end, c)[1] > 0.0
+    assert chamber_cavities(end.core.chambers, end.piston.position, cylinder).upper > 0.0
     assert (start.piston.position - end.piston.position) / 4.0 == pytest.approx(speed, rel=1e-3)
     assert speed * 1e3 == pytest.approx(mm_per_s, rel=3e-3)
     landed = run(end, 0.0, c, 25.0)
@@ -90,18 +92,19 @@ def test_shut_valve_rings_at_the_oil_spring_frequency(mass: float):
     A quarter period after a push of 1 mm/s the piston turns: steepest there, sees 0.1 % in omega. Each spring is
     stiffer by 1 + p/B, below 0.25 %.
     """
-    short = {"length": 0.02}
+    short = {"length": 0.02, "model": "lumped"}
     c = circuit(2e-6, seal=FRICTIONLESS, cylinder=TIGHT, load={"mass": mass}, pipe_3=short, pipe_4=short)
-    start, cylinder = equilibrium(c, 0.135), c.cylinder
-    p, volumes = pressures(start, c), chamber_volumes(0.135, cylinder)
+    start, cylinder = equilibrium(c, 0.135), c.parts.cylinder
+    p, volumes = pressures(start), chamber_volumes(0.135, cylinder)
     stiffness = sum(
-        area**2 * (1.0 + at / c.oil.bulk_modulus) / (volume / c.oil.bulk_modulus + 2.0 * line.end_capacity)
+        area**2 * (1.0 + at / cylinder.bulk_modulus) / (volume / cylinder.bulk_modulus + c.lines.capacity[line])
         for area, at, volume, line in (
-            (cylinder.area_lower, p.lower, volumes[0], c.line_3),
-            (cylinder.area_upper, p.upper, volumes[1], c.line_4),
+            (cylinder.area_lower, p.lower, volumes[0], 2),
+            (cylinder.area_upper, p.upper, volumes[1], 3),
         )
     )
-    quarter = run(start._replace(piston=Piston(0.135, 1e-3)), 0.0, c, math.pi / 2.0 / math.sqrt(stiffness / mass))
+    pushed = start.with_core(piston=Piston(0.135, 1e-3))
+    quarter = run(pushed, 0.0, c, math.pi / 2.0 / math.sqrt(stiffness / mass))
     assert quarter.piston.velocity == pytest.approx(0.0, abs=3e-6)  # two steps and 0.1 %
 
 
@@ -117,21 +120,22 @@ def test_friction_ends_the_ringing_at_a_true_rest():
 def test_the_seal_holds_a_quarter_of_the_pressure_across_the_piston(share: float):
     """0.25 |p_l - p_u| b pi (D + d), 10 bar above and p_l for a share of it: at rest below, off beyond."""
     c = circuit(cylinder=TIGHT)
-    start, cylinder, p_upper = equilibrium(c, 0.135), c.cylinder, 10 * BAR
+    start, cylinder, p_upper = equilibrium(c, 0.135), c.parts.cylinder, 10 * BAR
     hold = share * 0.25 * 0.01 * math.pi * 0.082  # [m^2]
     p_lower = (120.0 * 9.81 + (cylinder.area_upper - hold) * p_upper) / (cylinder.area_lower - hold)
-    p = pressures(start, c)._replace(a=p_lower, lower=p_lower, b=p_upper, upper=p_upper)
-    velocity = run(start._replace(oil=fill(p, 0.135, c)), 0.0, c, c.step).piston.velocity
+    p = pressures(start)._replace(a=p_lower, lower=p_lower, b=p_upper, upper=p_upper)
+    loaded = state_at(p, flows(start), Piston(0.135, 0.0), Spool(0.0, 0.0), c)
+    velocity = run(loaded, 0.0, c, c.parts.step).piston.velocity
     assert velocity * share > 0.0 if abs(share) > 1.0 else velocity == 0.0
 
 
 def test_the_top_stop_holds_and_the_relief_valve_takes_the_pump():
     """Impingement: the piston runs into the top, p1 settles where the relief valve passes what the pump gives."""
-    c = circuit()
-    end = run(equilibrium(c, 0.2), 1.0, c, 2.0)
-    p = pressures(end, c)
-    assert end.piston == (c.cylinder.stroke, 0.0)
-    assert p.tee == pytest.approx(pressures(equilibrium(c, 0.1), c).tee, abs=0.05 * BAR)
+    c = circuit(pump=SMOOTH)
+    end = run(equilibrium(c, 0.2), 1.0, c, 3.0)
+    p = pressures(end)
+    assert end.piston == (c.parts.cylinder.stroke, 0.0)
+    assert p.tee == pytest.approx(pressures(equilibrium(c, 0.1)).tee, abs=0.05 * BAR)
     assert p.lower == pytest.approx(p.tee, abs=0.05 * BAR)
 
 
@@ -142,12 +146,13 @@ def test_positive_spool_lifts_and_negative_lowers():
 
 
 def test_inside_the_overlap_nothing_passes_the_lands():
-    """Full pump pressure at P, chambers to rounding: the port nodes keep their oil bit for bit."""
+    """Full pump pressure at P: chamber and line together keep their oil to rounding, the return line stands still."""
     c = circuit(cylinder=TIGHT)
     start = equilibrium(c, 0.1)
     end = run(start, 0.05, c, 0.5)  # a step to 0.05 does not overshoot to the overlap, 0.1
-    assert end.oil.lower + end.oil.a == pytest.approx(start.oil.lower + start.oil.a, rel=1e-13)
-    assert end.oil.t == start.oil.t
+    kept = end.core.chambers.lower + end.ends.oil[2]
+    assert kept == pytest.approx(start.core.chambers.lower + start.ends.oil[2], rel=1e-13)
+    assert end.ends.oil[4] == start.ends.oil[4]
 
 
 def test_a_run_can_be_cut_anywhere():
@@ -155,12 +160,13 @@ def test_a_run_can_be_cut_anywhere():
     c = circuit()
     start = equilibrium(c, 0.1)
     *_, last = states(start, 0.6, c, 0.05, every=100)
-    assert last == run(start, 0.6, c, 0.05)
+    assert np.array_equal(flatten(last), flatten(run(start, 0.6, c, 0.05)))
 
 
 def test_full_speed_down_starves_the_upper_chamber_at_the_vapour_pressure():
     """The pump cannot fill the cap side: p_u stays at -1 bar over a cavity that grows while it runs down."""
     c = circuit(load={"mass": 302.0})
     seen = list(states(equilibrium(c, 0.25), -1.0, c, 0.5, every=20))
-    assert min(pressures(s, c).upper for s in seen) == -1 * BAR
-    assert max(chamber_cavities(s, c)[1] for s in seen) > 1e-6
+    assert min(pressures(s).upper for s in seen) == -1 * BAR
+    cylinder = c.parts.cylinder
+    assert max(chamber_cavities(s.core.chambers, s.piston.position, cylinder).upper for s in seen) > 1e-6

@@ -1,28 +1,37 @@
-"""The plant for callers in a hurry: the same steps, on arrays.
+"""The plant for its callers: many steps at once on a flat state, what the sensors touch, what can be observed.
 
 numba checks an argument of a hundred floats for microseconds on every call; an array costs next to nothing.
 """
 
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit import (
+    A,
+    B,
+    BACK_5,
+    LINES,
+    LOWER,
+    PUMP,
     Circuit,
-    Flows,
-    Ledger,
-    Piston,
-    Spool,
-    State,
-    Stored,
-    chamber_cavities,
-    pressures,
+    Core,
+    Ends,
+    P,
+    Parts,
+    T,
+    TEE_1,
+    UPPER,
+    seal_force,
     step_once,
 )
-from twin.kernel import kernel
-from twin.pump import pump_flow
-from twin.relief import relief_flow
+from twin.cylinder import chamber_cavities
+from twin.kernel import inlined, kernel
+from twin.lines.bank import Bank, inner_cavity, packed, unpacked
+from twin.load import carried_mass
+from twin.state import State, MEMORY_AT, ends_of, flatten, load, store, unflatten
 
 
 class Taps(NamedTuple):
@@ -38,106 +47,101 @@ class Taps(NamedTuple):
 OBSERVED = (
     *("position", "velocity", "spool", "p_pump", "p1", "p_p", "p_a", "p_lower", "p_upper", "p_b", "p_t", "p_return"),
     *("cavity_lower", "cavity_upper", "flow_1", "flow_2", "flow_3", "flow_4", "flow_5", "flow_6"),
-    *("flow_pump", "flow_relief", "oil_stored", "oil_pumped", "oil_relieved", "oil_returned"),
+    *("flow_pump", "flow_relief", "relief_pilot", "relief_spool", "mass", "friction"),
+    *("cavity_pump", "cavity_tee", "cavity_p", "cavity_a", "cavity_b", "cavity_t", "cavity_return", "cavity_lines"),
+    *("oil_stored", "oil_pumped", "oil_relieved", "oil_returned"),
 )
+PRESSURES = (PUMP, TEE_1, P, A, LOWER, UPPER, B, T, BACK_5)
+CAVITIES = (PUMP, TEE_1, P, A, B, T, BACK_5)
+
+
+class Compiled(NamedTuple):
+    """A circuit as the kernels take it."""
+
+    parts: NDArray[Any]  # a record of Parts, length 1
+    whole: NDArray[np.int64]  # both of the lines, `packed`
+    numbers: NDArray[np.float64]
 
 
 def record(parameters: tuple[Any, ...]) -> NDArray[Any]:
     """A nested NamedTuple of floats as a structured array of length 1, which kernels read by the same names."""
-    return np.array([_plain(parameters)], dtype=_dtype(parameters))
+    return np.array([_plain(parameters)], dtype=_dtype(type(parameters)))
 
 
 def _plain(value: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(_plain(entry) if isinstance(entry, tuple) else entry for entry in value)
 
 
-def _dtype(value: Any) -> Any:
-    return [(k, _dtype(v) if isinstance(v, tuple) else "f8") for k, v in zip(value._fields, value, strict=True)]
+@cache
+def _dtype(kind: type) -> np.dtype[Any]:
+    """One object for each class: numba compares others field by field at every call."""
+    fields = get_type_hints(kind).items()
+    return np.dtype([(name, "f8" if entry is float else _dtype(entry)) for name, entry in fields])
 
 
-def flatten(state: State) -> NDArray[np.float64]:
-    """A state as an array of its numbers, in order."""
-    return np.array([number for part in state for number in part])
+def compiled(circuit: Circuit) -> Compiled:
+    """The circuit as the kernels take it."""
+    return Compiled(record(circuit.parts), *packed(circuit.lines))
 
 
-@kernel
-def _load(a) -> State:
-    return State(
-        Stored(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]),
-        Flows(a[9], a[10], a[11], a[12], a[13], a[14]),
-        Piston(a[15], a[16]),
-        Spool(a[17], a[18]),
-        Ledger(a[19], a[20], a[21]),
-    )
-
-
-@kernel
-def _store(s: State, a) -> None:
-    for i in range(9):
-        a[i] = s.oil[i]
-    for i in range(6):
-        a[9 + i] = s.flows[i]
-    for i in range(2):
-        a[15 + i] = s.piston[i]
-        a[17 + i] = s.spool[i]
-    for i in range(3):
-        a[19 + i] = s.ledger[i]
-
-
-def unflatten(array: NDArray[np.float64]) -> State:
-    """The state back from its numbers."""
-    return _load(array)
+@inlined
+def _tap(s, ends, row) -> None:
+    row[0], row[1] = s.piston.position, s.piston.velocity
+    row[2], row[3], row[4] = ends.pressure[TEE_1], ends.pressure[LOWER], ends.pressure[UPPER]
 
 
 @kernel
-def _tap(s: State, p, row) -> None:
-    row[0], row[1], row[2], row[3], row[4] = s.piston.position, s.piston.velocity, p.tee, p.lower, p.upper
-
-
-@kernel
-def run_block(state, reference: float, circuit, steps: int, taps) -> None:
+def run_block(state, reference: float, parts, whole, numbers, steps: int, taps, seen) -> None:
     """Advance a flat state in place by `steps` under a constant spool reference.
 
-    circuit: a record of Circuit. taps: shape (2, 5), filled with the Taps a step before the end and at the end.
+    parts, whole, numbers: of `Compiled`. taps: shape (2, 5), filled with the Taps a step before the end and at the end.
+    seen: filled with the OBSERVED quantities at the end.
     """
-    c = circuit[0]
-    s = _load(state)
-    p = pressures(s, c)
-    _tap(s, p, taps[1])
+    c, lines, s, ends, memory = parts[0], unpacked(whole, numbers), load(state), ends_of(state), state[MEMORY_AT:]
+    _tap(s, ends, taps[1])
     for i in range(steps):
         if i == steps - 1:
-            _tap(s, p, taps[0])
-        s, p = step_once(s, p, reference, c)
-    _tap(s, p, taps[1])
-    _store(s, state)
+            _tap(s, ends, taps[0])
+        s = step_once(s, reference, c, lines, ends, memory)
+    _tap(s, ends, taps[1])
+    store(s, state)
+    observe(s, ends, memory, c, lines, seen)
 
 
-@kernel
-def observe(state, circuit, out) -> None:
-    """Fill `out` with the OBSERVED quantities of a flat state."""
-    c = circuit[0]
-    s = _load(state)
-    p = pressures(s, c)
+@inlined
+def observe(s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> None:
+    """Fill `out` with the OBSERVED quantities."""
     out[0], out[1], out[2] = s.piston.position, s.piston.velocity, s.spool.position
     for i in range(9):
-        out[3 + i] = p[i]
-    out[12], out[13] = chamber_cavities(s, c)
-    for i in range(6):
-        out[14 + i] = s.flows[i]
-    out[20] = pump_flow(p.pump, c.pump)
-    out[21] = relief_flow(p.tee, c.relief)
-    total = 0.0
-    for i in range(9):
-        total += s.oil[i]
-    out[22] = total
+        out[3 + i] = ends.pressure[PRESSURES[i]]
+    hollow = chamber_cavities(s.chambers, s.piston.position, c.cylinder)
+    out[12], out[13] = hollow.lower, hollow.upper
+    inner, total = 0.0, s.chambers.lower + s.chambers.upper + c.line_volume
+    for line in range(LINES):
+        out[14 + line] = 0.5 * (ends.flow[2 * line] - ends.flow[2 * line + 1])
+        inner += inner_cavity(lines, memory, line)
+        total += ends.oil[line]
+    out[20], out[21] = ends.flow[PUMP], s.relief.flow
+    out[22], out[23] = s.relief.state.pilot_lift, s.relief.state.spool_lift
+    out[24], out[25] = carried_mass(s.weight, c.load), seal_force(s, ends, c)
+    for i in range(7):
+        out[26 + i] = ends.cavity[CAVITIES[i]]
+        total -= ends.cavity[CAVITIES[i]]
+    out[33] = inner
+    out[34] = total
     for i in range(3):
-        out[23 + i] = s.ledger[i]
+        out[35 + i] = s.ledger[i]
 
 
-def compiled_for(circuit: Circuit) -> NDArray[Any]:
-    """The circuit as a record, with the kernels above compiled for it and called once."""
-    parameters = record(circuit)
-    state = np.full(22, 1e-3)
-    run_block(state, 0.0, parameters, 1, np.zeros((2, 5)))
-    observe(state, parameters, np.zeros(len(OBSERVED)))
-    return parameters
+def advance(state: State, reference: float, circuit: Circuit, steps: int) -> State:
+    """The state `steps` steps later under a constant spool reference (-1..1)."""
+    flat = flatten(state)
+    run_block(flat, reference, *compiled(circuit), steps, np.zeros((2, 5)), np.zeros(len(OBSERVED)))
+    return unflatten(flat)
+
+
+def observed(state: State, circuit: Circuit) -> dict[str, float]:
+    """The OBSERVED quantities of a state, by name."""
+    seen = np.zeros(len(OBSERVED))
+    run_block(flatten(state), 0.0, *compiled(circuit), 0, np.zeros((2, 5)), seen)
+    return dict(zip(OBSERVED, seen.tolist(), strict=True))

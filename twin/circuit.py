@@ -1,75 +1,71 @@
-"""The circuit: nine nodes, six lines between them, and the components that meet at their ends.
+"""The circuit: six lines, and the components that meet at their ends.
 
     tank -> pump -line 1- tee (relief valve) -line 2- P        A -line 3- lower chamber
                                               P, A, B, T: lands             piston
     tank <-line 6- return tee -line 5-                T        B -line 4- upper chamber
 
-A step is a Strang splitting: everything with inertia (piston, line flows) gets half a kick from the pressures, the
-nodes fill for a whole step at these speeds, then comes the other half. It is symmetric, of second order, conserves
-oil to rounding and cannot pump energy into a resonance. Within the filling each node meets one resistance at most
-(lands, relief valve, leak: solved exactly; pump: linearised), so nothing stiff is left and nothing iterates.
+A wave that leaves a line's end comes back later, so within a step the ends know nothing of each other: each offers
+p = c + Z q, and every component is solved alone, at the instant of the step's end. Only the cylinder has a step of
+its own: half a kick of the piston by the pressures, its travel, oil into the chambers, half a kick by the new
+pressures. `block` runs it on flat arrays; what a step reads and writes of the lines are the arrays of `Ends`.
 """
 
 import math
 from typing import NamedTuple
 
+from numpy.typing import NDArray
+
 from twin.contact import Stops, held, travel
-from twin.cylinder import Cylinder, Load, chamber_volumes, drive
-from twin.exchange import exchange
-from twin.kernel import kernel
-from twin.lines.lumped import LumpedLine, accelerate
-from twin.node import Node, cavity, pressure
+from twin.cylinder import Chambers, Cylinder, drive, fill_chambers
+from twin.fitting import Fitting, fitting_resistance
+from twin.kernel import inlined
+from twin.lands import Lands, Ports, land_flows
+from twin.lines.bank import Bank, leave, oncoming
+from twin.load import Load, Weight, carried_mass, contact_force, kick_weight, move_weight, pick_up
 from twin.oil import Oil
-from twin.orifice import resistance
-from twin.pump import Pump, pumped_oil
-from twin.relief import Relief, relieve
-from twin.seal import Seal, slide
-from twin.spool_valve import SpoolValve, move_spool, opening
+from twin.port import Port, cavity, joined, pressure, with_cavity
+from twin.pump import Pump, pumped_oil, ripple_flow, speed_ratio
+from twin.relief import Relief, go_on
+from twin.relief_motion import Motion
+from twin.seal import Seal, friction, friction_limit, slide
+from twin.spool_valve import SpoolValve, closed_centre_lands, move_spool
+from twin.switching_valve import SwitchingValve, switch_spool, tandem_lands
+
+ENDS = ("pump", "tee_1", "tee_2", "p", "a", "lower", "b", "upper", "t", "back_5", "back_6", "tank")
+PUMP, TEE_1, TEE_2, P, A, LOWER, B, UPPER, T, BACK_5, BACK_6, TANK = range(12)  # line i has ends 2 i - 2 and 2 i - 1
+LINES = 6
 
 
-class Circuit(NamedTuple):
-    """All parameters that a step reads."""
+class Fitted(NamedTuple):
+    """Which parts the circuit has: 1.0 for yes."""
+
+    relief: float  # else the tee has no valve
+    switching: float  # the switching valve in place of the proportional one
+
+
+class Parts(NamedTuple):
+    """All parameters that a step reads but for those of the lines."""
 
     step: float  # h [s]
+    fitted: Fitted
     oil: Oil
     pump: Pump
     relief: Relief
+    fitting: Fitting  # in line 2, at the tee
     valve: SpoolValve
+    switching: SwitchingValve
     cylinder: Cylinder
     seal: Seal
     stops: Stops
     load: Load
-    line_1: LumpedLine  # pump -> relief tee
-    line_2: LumpedLine  # relief tee -> P, with the filter
-    line_3: LumpedLine  # A -> lower chamber
-    line_4: LumpedLine  # B -> upper chamber
-    line_5: LumpedLine  # T -> return tee
-    line_6: LumpedLine  # return tee -> tank
+    line_volume: float  # of all lines [m^3]
 
 
-class Stored(NamedTuple):
-    """Oil per node [m^3 at reference density]."""
+class Circuit(NamedTuple):
+    """The whole rig."""
 
-    pump: float
-    tee: float
-    p: float
-    a: float
-    lower: float
-    upper: float
-    b: float
-    t: float
-    back: float
-
-
-class Flows(NamedTuple):
-    """Flow per line [m^3/s], positive in the order of its name in the circuit's picture (3 and 4: to the chamber)."""
-
-    line_1: float
-    line_2: float
-    line_3: float
-    line_4: float
-    line_5: float
-    line_6: float
+    parts: Parts
+    lines: Bank
 
 
 class Piston(NamedTuple):
@@ -80,7 +76,7 @@ class Piston(NamedTuple):
 
 
 class Spool(NamedTuple):
-    """Spool of the proportional valve, in shares of its travel."""
+    """Spool of the directional valve, in shares of its travel."""
 
     position: float  # -1..1
     velocity: float  # [1/s]
@@ -94,208 +90,197 @@ class Ledger(NamedTuple):
     returned: float  # returned by line 6
 
 
-class State(NamedTuple):
-    """Everything that has a memory."""
+class Core(NamedTuple):
+    """Everything with a memory outside the lines and their ends."""
 
-    oil: Stored
-    flows: Flows
+    tick: float  # steps since the start
     piston: Piston
     spool: Spool
+    weight: Weight
+    chambers: Chambers  # stored oil [m^3]
+    relief: Motion
+    tee: float  # pressure that the tee would have had without the relief valve [Pa]
     ledger: Ledger
 
 
-class Nodes(NamedTuple):
-    """The nine nodes of a state."""
+class Ends(NamedTuple):
+    """The twelve line ends at the last instant, in the order of ENDS, and the oil of the six lines."""
 
-    pump: Node
-    tee: Node
-    p: Node
-    a: Node
-    lower: Node
-    upper: Node
-    b: Node
-    t: Node
-    back: Node
+    pressure: NDArray  # [Pa]
+    flow: NDArray  # into the line [m^3/s]
+    cavity: NDArray  # [m^3]; of a tee at its first end, of a chamber not here
+    free: NDArray  # c [Pa]
+    impedance: NDArray  # Z [Pa s/m^3]
+    oil: NDArray  # in each line, beyond what fills it at no pressure [m^3 at reference density]
 
 
-class Pressures(NamedTuple):
-    """Gauge pressures [Pa] of the nine nodes."""
-
-    pump: float
-    tee: float
-    p: float
-    a: float
-    lower: float
-    upper: float
-    b: float
-    t: float
-    back: float
+@inlined
+def port_at(end: int, ends: Ends, step: float) -> Port:
+    """The port of one line end, its cavity included."""
+    return with_cavity(Port(ends.free[end], ends.impedance[end]), ends.cavity[end], step)
 
 
-@kernel
-def nodes(oil: Stored, position: float, c: Circuit) -> Nodes:
-    """Stored oil, volume and capacity of each node, the piston at a position [m]."""
-    v_lower, v_upper = chamber_volumes(position, c.cylinder)
-    compliance = 1.0 / c.oil.bulk_modulus
-    l1, l2, l3, l4, l5, l6 = c.line_1, c.line_2, c.line_3, c.line_4, c.line_5, c.line_6
-    return Nodes(
-        Node(oil.pump, l1.end_volume, l1.end_capacity),
-        Node(oil.tee, l1.end_volume + l2.end_volume, l1.end_capacity + l2.end_capacity),
-        Node(oil.p, l2.end_volume, l2.end_capacity),
-        Node(oil.a, l3.end_volume, l3.end_capacity),
-        Node(oil.lower, l3.end_volume + v_lower, l3.end_capacity + v_lower * compliance),
-        Node(oil.upper, l4.end_volume + v_upper, l4.end_capacity + v_upper * compliance),
-        Node(oil.b, l4.end_volume, l4.end_capacity),
-        Node(oil.t, l5.end_volume, l5.end_capacity),
-        Node(oil.back, l5.end_volume + l6.end_volume, l5.end_capacity + l6.end_capacity),
+@inlined
+def tee_at(first: int, second: int, ends: Ends, step: float) -> Port:
+    """The port of two line ends, their cavity included."""
+    port = joined(ends.free[first], ends.impedance[first], ends.free[second], ends.impedance[second])
+    return with_cavity(port, ends.cavity[first], step)
+
+
+@inlined
+def press(end: int, p: float, ends: Ends) -> None:
+    """A line end takes a pressure."""
+    ends.pressure[end] = p
+    ends.flow[end] = (p - ends.free[end]) / ends.impedance[end]
+
+
+@inlined
+def deliver(end: int, port: Port, flow: float, ends: Ends, parts: Parts) -> float:
+    """One line end takes what a component delivers; returns the pressure."""
+    p = pressure(port, flow, parts.oil.vapour_pressure)
+    ends.cavity[end] = cavity(port, flow, p, parts.step) if p == parts.oil.vapour_pressure else 0.0
+    press(end, p, ends)
+    return p
+
+
+@inlined
+def pump_side(tick: float, ends: Ends, parts: Parts) -> float:
+    """The pump on its line; returns the oil it delivers [m^3/s]. Its leakage is linearised about the last pressure."""
+    port, before = port_at(PUMP, ends, parts.step), ends.pressure[PUMP]
+    time = tick * parts.step
+    mean, slope = pumped_oil(before, speed_ratio(time, parts.pump), parts.pump, parts.oil.bulk_modulus)
+    ripple = ripple_flow(time + 0.5 * parts.step, parts.step, parts.pump)
+    inflow = mean + ripple - slope * before
+    p = max(parts.oil.vapour_pressure, (port.free + port.impedance * inflow) / (1.0 - port.impedance * slope))
+    delivered = inflow + slope * p
+    deliver(PUMP, port, delivered, ends, parts)
+    return delivered
+
+
+@inlined
+def relief_side(relief: Motion, before: float, ends: Ends, parts: Parts) -> tuple[Motion, float]:
+    """The relief valve at its tee, and the pressure the tee would have without it; before: that of the last instant."""
+    port = tee_at(TEE_1, TEE_2, ends, parts.step)
+    if parts.fitted.relief == 1.0:
+        relief, _ = go_on(relief, before, port.free, port.impedance, parts.relief, parts.step)
+    p = deliver(TEE_1, port, -relief.flow, ends, parts)
+    press(TEE_2, p, ends)
+    return relief, port.free
+
+
+@inlined
+def move_valve(spool: Spool, reference: float, parts: Parts) -> Spool:
+    """The spool of the valve that is fitted, a step later."""
+    if parts.fitted.switching == 1.0:
+        return Spool(*switch_spool(spool.position, reference, parts.switching, parts.step))
+    return Spool(*move_spool(spool.position, spool.velocity, reference, parts.valve, parts.step))
+
+
+@inlined
+def land_areas(spool: float, parts: Parts) -> Lands:
+    """Areas [m^2] of the valve that is fitted."""
+    if parts.fitted.switching == 1.0:
+        return tandem_lands(spool, parts.switching)
+    return closed_centre_lands(spool, parts.valve)
+
+
+@inlined
+def valve_side(spool: float, ends: Ends, parts: Parts) -> None:
+    """The directional valve between its four ports."""
+    h = parts.step
+    ports = Ports(port_at(P, ends, h), port_at(A, ends, h), port_at(B, ends, h), port_at(T, ends, h))
+    orifice = parts.switching.orifice if parts.fitted.switching == 1.0 else parts.valve.orifice
+    q = land_flows(ports, land_areas(spool, parts), orifice, parts.oil)
+    deliver(P, ports.p, -(q.p_a + q.p_b + q.p_t), ends, parts)
+    deliver(A, ports.a, q.p_a - q.a_t, ends, parts)
+    deliver(B, ports.b, q.p_b - q.b_t, ends, parts)
+    deliver(T, ports.t, q.b_t + q.a_t + q.p_t, ends, parts)
+
+
+@inlined
+def return_side(ends: Ends, parts: Parts) -> None:
+    """Return tee and tank."""
+    p = deliver(BACK_5, tee_at(BACK_5, BACK_6, ends, parts.step), 0.0, ends, parts)
+    press(BACK_6, p, ends)
+    press(TANK, 0.0, ends)
+
+
+@inlined
+def kick(piston: Piston, weight: Weight, p: Chambers, parts: Parts, time: float) -> tuple[Piston, Weight]:
+    """Piston and weight after a time [s] under constant pressures: their speeds change, their places not yet."""
+    load = parts.load
+    mass, push = carried_mass(weight, load), contact_force(piston.position, weight, load)
+    force = drive(p, parts.cylinder) - mass * load.gravity + load.force - push
+    velocity = slide(piston.velocity, force, mass, abs(p.lower - p.upper), parts.seal, time)
+    kicked = kick_weight(weight, push, load, time)
+    return Piston(piston.position, held(piston.position, velocity, parts.stops)), kicked
+
+
+@inlined
+def seal_force(s: Core, ends: Ends, parts: Parts) -> float:
+    """Force of the seals on the piston [N], upwards positive: against the motion; at rest what holds, up to its limit."""
+    p = Chambers(ends.pressure[LOWER], ends.pressure[UPPER])
+    sealing, v = abs(p.lower - p.upper), s.piston.velocity
+    if v != 0.0:
+        return -math.copysign(friction(v, sealing, parts.seal)[0], v)
+    load, most = parts.load, friction_limit(sealing, parts.seal)
+    push = drive(p, parts.cylinder) - carried_mass(s.weight, load) * load.gravity + load.force
+    return min(max(-push, -most), most)
+
+
+@inlined
+def move_piston(piston: Piston, weight: Weight, parts: Parts) -> tuple[Piston, Weight]:
+    """Piston and weight a step later at constant speeds."""
+    moved = Piston(*travel(piston.position, piston.velocity, parts.stops, parts.step))
+    return moved, move_weight(weight, moved.position, parts.load, parts.step)
+
+
+@inlined
+def cylinder_side(stored: Chambers, piston: Piston, ends: Ends, parts: Parts) -> Chambers:
+    """Both chambers at the ends of their lines, the piston at its new place."""
+    before = Chambers(ends.pressure[LOWER], ends.pressure[UPPER])
+    inflow = Chambers(-ends.flow[LOWER], -ends.flow[UPPER])
+    lower = Port(ends.free[LOWER], ends.impedance[LOWER])
+    upper = Port(ends.free[UPPER], ends.impedance[UPPER])
+    stored, p = fill_chambers(
+        stored, before, inflow, lower, upper, piston.position, parts.cylinder, parts.step
     )
+    press(LOWER, p.lower, ends)
+    press(UPPER, p.upper, ends)
+    return stored
 
 
-@kernel
-def pressures(s: State, c: Circuit) -> Pressures:
-    """Gauge pressures [Pa], none below the vapour pressure."""
-    n, vapour = nodes(s.oil, s.piston.position, c), c.oil.vapour_pressure
-    return Pressures(
-        pressure(n.pump, vapour),
-        pressure(n.tee, vapour),
-        pressure(n.p, vapour),
-        pressure(n.a, vapour),
-        pressure(n.lower, vapour),
-        pressure(n.upper, vapour),
-        pressure(n.b, vapour),
-        pressure(n.t, vapour),
-        pressure(n.back, vapour),
+@inlined
+def count_oil(oil: NDArray, flow: NDArray, lower: float, upper: float, step: float) -> None:
+    """Oil of the lines after a step; lower, upper: flows into them from the chambers before it, whose mean counts."""
+    for line in range(LINES):
+        oil[line] += step * (flow[2 * line] + flow[2 * line + 1])
+    oil[2] += 0.5 * step * (lower - flow[LOWER])
+    oil[3] += 0.5 * step * (upper - flow[UPPER])
+
+
+@inlined
+def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, memory: NDArray) -> Core:
+    """One step under a spool reference -1..1: `ends` and the memory of the lines change in place."""
+    h, tick = parts.step, s.tick + 1.0
+    lower, upper = ends.flow[LOWER], ends.flow[UPPER]
+    piston, weight = kick(s.piston, s.weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
+    piston, weight = move_piston(piston, weight, parts)
+    spool = move_valve(s.spool, reference, parts)
+    oncoming(bank, memory, int(tick), ends.free, ends.impedance)
+    ends.impedance[TEE_2] += fitting_resistance(ends.flow[TEE_2], parts.fitting)
+    pumped = pump_side(tick, ends, parts)
+    relief, tee = relief_side(s.relief, s.tee, ends, parts)
+    valve_side(spool.position, ends, parts)
+    chambers = cylinder_side(s.chambers, piston, ends, parts)
+    return_side(ends, parts)
+    leave(bank, memory, int(tick), ends.flow)
+    count_oil(ends.oil, ends.flow, lower, upper, h)
+    piston, weight = kick(piston, weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
+    velocity, weight = pick_up(piston.position, piston.velocity, weight, parts.load)
+    ledger = Ledger(
+        s.ledger.pumped + h * pumped,
+        s.ledger.relieved + h * relief.flow,
+        s.ledger.returned - h * ends.flow[TANK],
     )
-
-
-@kernel
-def chamber_cavities(s: State, c: Circuit) -> tuple[float, float]:
-    """Vapour [m^3] in the lower and the upper chamber."""
-    n = nodes(s.oil, s.piston.position, c)
-    return cavity(n.lower, c.oil.vapour_pressure), cavity(n.upper, c.oil.vapour_pressure)
-
-
-@kernel
-def kick_flows(q: Flows, p: Pressures, c: Circuit, time: float) -> Flows:
-    """Line flows after a time [s] under constant pressures."""
-    return Flows(
-        accelerate(q.line_1, p.pump - p.tee, c.line_1, time),
-        accelerate(q.line_2, p.tee - p.p, c.line_2, time),
-        accelerate(q.line_3, p.a - p.lower, c.line_3, time),
-        accelerate(q.line_4, p.b - p.upper, c.line_4, time),
-        accelerate(q.line_5, p.t - p.back, c.line_5, time),
-        accelerate(q.line_6, p.back, c.line_6, time),
-    )
-
-
-@kernel
-def kick_piston(piston: Piston, p: Pressures, c: Circuit, time: float) -> Piston:
-    """The piston after a time [s] under constant pressures: its speed changes, its place not yet."""
-    force = drive(p.lower, p.upper, c.cylinder, c.load)
-    velocity = slide(piston.velocity, force, c.load.mass, abs(p.lower - p.upper), c.seal, time)
-    return Piston(piston.position, held(piston.position, velocity, c.stops))
-
-
-@kernel
-def through_lines(oil: Stored, q: Flows, step: float) -> Stored:
-    """Stored oil after the lines have carried their flows for a step."""
-    return Stored(
-        oil.pump - step * q.line_1,
-        oil.tee + step * (q.line_1 - q.line_2),
-        oil.p + step * q.line_2,
-        oil.a - step * q.line_3,
-        oil.lower + step * q.line_3,
-        oil.upper + step * q.line_4,
-        oil.b - step * q.line_4,
-        oil.t - step * q.line_5,
-        oil.back + step * (q.line_5 - q.line_6),
-    )
-
-
-@kernel
-def through_pump(before: float, node: Node, pump: Pump, oil: Oil, step: float) -> float:
-    """Mean oil flow [m^3/s] from the pump into its node, trapezoidal rule, linearised about the pressure before."""
-    inflow, slope = pumped_oil(before, pump, oil.bulk_modulus)
-    free = (node.stored + step * (inflow - 0.5 * slope * before) - node.volume) / node.capacity
-    after = max(oil.vapour_pressure, free / (1.0 - 0.5 * step * slope / node.capacity))
-    return inflow + 0.5 * slope * (after - before)
-
-
-@kernel
-def through_land(drop: float, source: Node, sink: Node, area: float, c: Circuit) -> float:
-    """Mean flow [m^3/s] through a land of an area [m^2] during a step."""
-    if area <= 0.0:
-        return 0.0
-    a, b = resistance(area, c.valve.orifice, c.oil)
-    return exchange(drop, source, sink, a, b, c.oil.vapour_pressure, c.step)
-
-
-@kernel
-def through_leak(drop: float, lower: Node, upper: Node, c: Circuit) -> float:
-    """Mean flow [m^3/s] across the piston seal during a step."""
-    if c.cylinder.leakage_resistance == math.inf:
-        return 0.0
-    return exchange(drop, lower, upper, 0.0, c.cylinder.leakage_resistance, c.oil.vapour_pressure, c.step)
-
-
-@kernel
-def through_components(
-    oil: Stored, n: Nodes, before: Pressures, spool: float, ledger: Ledger, c: Circuit
-) -> tuple[Stored, Ledger]:
-    """Stored oil after pump, relief valve, leak and lands have passed their flows for a step.
-
-    before: pressures at the start of the step; n: nodes at its end; spool: its position halfway.
-    """
-    h = c.step
-    supply = h * through_pump(before.pump, n.pump, c.pump, c.oil, h)
-    bypass = h * relieve(before.tee, n.tee, c.relief, h)
-    leak = h * through_leak(before.lower - before.upper, n.lower, n.upper, c)
-    up, down = opening(spool, c.valve), opening(-spool, c.valve)
-    p_a = h * through_land(before.p - before.a, n.p, n.a, up, c)
-    b_t = h * through_land(before.b - before.t, n.b, n.t, up, c)
-    p_b = h * through_land(before.p - before.b, n.p, n.b, down, c)
-    a_t = h * through_land(before.a - before.t, n.a, n.t, down, c)
-    filled = Stored(
-        oil.pump + supply,
-        oil.tee - bypass,
-        oil.p - p_a - p_b,
-        oil.a + p_a - a_t,
-        oil.lower - leak,
-        oil.upper + leak,
-        oil.b + p_b - b_t,
-        oil.t + b_t + a_t,
-        oil.back,
-    )
-    return filled, Ledger(ledger.pumped + supply, ledger.relieved + bypass, ledger.returned)
-
-
-@kernel
-def step_once(s: State, before: Pressures, reference: float, c: Circuit) -> tuple[State, Pressures]:
-    """One step: half a kick, positions and oil for the whole step, half a kick. Returns the pressures after it."""
-    half = 0.5 * c.step
-    q = kick_flows(s.flows, before, c, half)
-    kicked = kick_piston(s.piston, before, c, half)
-    spool = Spool(*move_spool(s.spool.position, s.spool.velocity, reference, c.valve, c.step))
-    piston = Piston(*travel(kicked.position, kicked.velocity, c.stops, c.step))
-    carried = through_lines(s.oil, q, c.step)
-    ledger = Ledger(s.ledger.pumped, s.ledger.relieved, s.ledger.returned + c.step * q.line_6)
-    halfway = 0.5 * (s.spool.position + spool.position)
-    oil, ledger = through_components(carried, nodes(carried, piston.position, c), before, halfway, ledger, c)
-    after = pressures(State(oil, q, piston, spool, ledger), c)
-    return State(oil, kick_flows(q, after, c, half), kick_piston(piston, after, c, half), spool, ledger), after
-
-
-@kernel
-def advance(s: State, reference: float, c: Circuit, steps: int) -> tuple[State, State]:
-    """The state `steps` steps later under a constant spool reference (-1..1), and the one a step before that."""
-    previous = s
-    before = pressures(s, c)
-    for _ in range(steps):
-        previous = s
-        s, before = step_once(s, before, reference, c)
-    return s, previous
-
-
-def stored_oil(s: State) -> float:
-    """Oil in the whole circuit [m^3 at reference density]; its change is pumped - relieved - returned."""
-    return sum(s.oil)
+    return Core(tick, Piston(piston.position, velocity), spool, weight, chambers, relief, tee, ledger)

@@ -5,7 +5,7 @@ An impact happens at its own instant inside the step. Below `rest_speed` it is d
 
 from typing import NamedTuple
 
-from twin.kernel import kernel
+from twin.kernel import inlined
 
 
 class Stops(NamedTuple):
@@ -16,7 +16,7 @@ class Stops(NamedTuple):
     rest_speed: float  # [m/s]
 
 
-@kernel
+@inlined
 def travel(position: float, speed: float, stops: Stops, time: float) -> tuple[float, float]:
     """Position and speed after a time [s] at constant speed, with one impact at most."""
     then = position + time * speed
@@ -27,7 +27,7 @@ def travel(position: float, speed: float, stops: Stops, time: float) -> tuple[fl
     return stop + rebound * (time - (stop - position) / speed), rebound
 
 
-@kernel
+@inlined
 def held(position: float, speed: float, stops: Stops) -> float:
     """The speed a stop allows: none into it."""
     if position <= 0.0:

@@ -1,7 +1,8 @@
-"""The circuit linearised about a point of steady motion: the Jacobian by hand, from the slopes of the components.
+"""The circuit linearised about a point of steady motion: the Jacobian of `rates` by hand, from the components' slopes.
 
 A point is a `State` whose pressures and flows stand still; its spool position is also its reference, and a run may
-start from it. Stops, spool limits, vapour and the set-valued friction have no slope and are left out.
+start from it. Lines are lumped, the relief valve follows its steady curve and the pump gives its mean flow. Stops,
+spool limits, vapour and the set-valued friction have no slope and are left out.
 """
 
 import math
@@ -10,27 +11,44 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.circuit import Circuit, Flows, Ledger, Piston, Pressures, Spool, State, nodes, pressures
-from twin.equilibrium import fill, supply_at_rest
-from twin.lines.lumped import LumpedLine, resistance_slope
+from twin.block import compiled
+from twin.circuit import Circuit, Piston, Spool
+from twin.equilibrium import state_at, supply_at_rest
+from twin.fitting import fitting_slope
+from twin.lines.bank import steady_slope as line_slope
 from twin.orifice import flow_slopes
 from twin.pump import pumped_oil
-from twin.rates import rates
-from twin.relief import relief_flow, relief_slope
+from twin.rates import (
+    A,
+    B,
+    BACK,
+    FLOW,
+    LINE_ENDS,
+    LOWER,
+    P,
+    PUMP,
+    S,
+    S_RATE,
+    STATES,
+    T,
+    TEE,
+    UPPER,
+    V,
+    X,
+    capacities,
+    vector_rates,
+)
+from twin.relief_steady import steady_slope as relief_slope
 from twin.spool_valve import opening
+from twin.state import Flows, Pressures, State, flows, pressures
 
 if TYPE_CHECKING:
     from control import StateSpace
 
 Array = NDArray[np.float64]
 
-PRESSURES = tuple(f"p_{node}" for node in Pressures._fields)
-STATES = (*PRESSURES, *Flows._fields, "position", "velocity", "spool", "spool_velocity")
 INPUTS = ("spool_reference", "force")
 TAPS = {"position": "position", "velocity": "velocity", "p1": "p_tee", "p2": "p_lower", "p3": "p_upper"}
-PUMP, TEE, P, A, LOWER, UPPER, B, T, BACK = range(9)
-FLOW, X, V, S, S_RATE = 9, 15, 16, 17, 18
-ENDS = ((PUMP, TEE), (TEE, P), (A, LOWER), (B, UPPER), (T, BACK), (BACK, None))  # of the lines
 LANDS = {"+": ((P, A), (B, T)), "-": ((P, B), (A, T))}
 UNKNOWN = [*range(X), V]  # what a moving point is solved for
 
@@ -44,24 +62,15 @@ class Land(NamedTuple):
     by_spool: float  # [m^3/s], per whole travel
 
 
-def to_vector(s: State, circuit: Circuit) -> Array:
-    """A state in the order of STATES: pressures in place of stored oil."""
-    return np.array([*pressures(s, circuit), *s.flows, *s.piston, *s.spool])
+def to_vector(s: State) -> Array:
+    """A state in the order of STATES."""
+    return np.array([*pressures(s), *flows(s), *s.piston, *s.spool])
 
 
 def from_vector(y: Array, circuit: Circuit) -> State:
-    """The inverse of `to_vector` for a state without cavities."""
-    values = [float(value) for value in y]
-    oil = fill(Pressures(*values[:FLOW]), values[X], circuit)
-    flows, piston, spool = Flows(*values[FLOW:X]), Piston(*values[X:S]), Spool(*values[S:])
-    return State(oil, flows, piston, spool, Ledger(0.0, 0.0, 0.0))
-
-
-def vector_rates(y: Array, reference: float, circuit: Circuit, viscous: float = 0.0) -> Array:
-    """`rates` in the order of STATES: C p' = S' - V' (1 + p/B)."""
-    d = rates(from_vector(y, circuit), reference, circuit, viscous)
-    pressure_rates = (np.array(d.oil) - _swept(y, circuit) * y[V]) / _capacities(y, circuit)
-    return np.array([*pressure_rates, *d.flows, *d.piston, *d.spool])
+    """The state in which a vector's pressures and flows have been steady."""
+    v = [float(value) for value in y]
+    return state_at(Pressures(*v[:FLOW]), Flows(*v[FLOW:X]), Piston(*v[X:S]), Spool(*v[S:]), circuit)
 
 
 def edge_point(circuit: Circuit, position: float, edge: str) -> State:
@@ -73,14 +82,14 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
     _check_edge(edge, ("+", "-"))
     p = _edge_pressures(circuit, edge)
     _refuse_cavity(p, circuit)
-    spool = Spool(math.copysign(circuit.valve.overlap, 1.0 if edge == "+" else -1.0), 0.0)
-    flows = Flows(relief_flow(p.tee, circuit.relief), 0.0, 0.0, 0.0, 0.0, 0.0)
-    return State(fill(p, position, circuit), flows, Piston(position, 0.0), spool, Ledger(0.0, 0.0, 0.0))
+    spool = Spool(math.copysign(circuit.parts.valve.overlap, 1.0 if edge == "+" else -1.0), 0.0)
+    through = Flows(supply_at_rest(circuit).relieved, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return state_at(p, through, Piston(position, 0.0), spool, circuit)
 
 
 def _edge_pressures(circuit: Circuit, edge: str) -> Pressures:
-    c, load = circuit.cylinder, circuit.load
-    pump, tee, _ = supply_at_rest(circuit)
+    c, load = circuit.parts.cylinder, circuit.parts.load
+    pump, tee = supply_at_rest(circuit)[:2]
     weight = load.mass * load.gravity - load.force
     if edge == "+":
         k = (c.area_upper / c.area_lower) ** 2  # (p_u - 0)/(p_P - p_l)
@@ -100,8 +109,8 @@ def moving_point(circuit: Circuit, position: float, spool: float, viscous: float
     """
     from scipy.optimize import root
 
-    if abs(spool) <= circuit.valve.overlap:
-        raise ValueError(f"spool {spool} lies inside the overlap, +-{circuit.valve.overlap}; take it further out")
+    if abs(spool) <= circuit.parts.valve.overlap:
+        raise ValueError(f"spool {spool} lies inside the overlap, +-{circuit.parts.valve.overlap}; take it further out")
     pressure_guess = _edge_pressures(circuit, "+" if spool > 0.0 else "-")
     full = np.array([*pressure_guess, *[0.0] * 6, position, math.copysign(0.01, spool), spool, 0.0])
     column, row = _scales(circuit)
@@ -114,7 +123,7 @@ def moving_point(circuit: Circuit, position: float, spool: float, viscous: float
         return vector_rates(place(unknown), spool, circuit, viscous)[UNKNOWN] * row
 
     def slope(unknown: Array) -> Array:
-        matrix = jacobian(from_vector(place(unknown), circuit), circuit, None, viscous)
+        matrix = jacobian(place(unknown), circuit, None, viscous)
         return row[:, None] * matrix[np.ix_(UNKNOWN, UNKNOWN)] * column
 
     found = root(residual, full[UNKNOWN] / column, jac=slope, options={"xtol": 1e-13})
@@ -138,9 +147,9 @@ def linearise(
 
     _check_edge(edge, ("+", "-", None))
     viscous = _viscous(friction)
-    a = jacobian(point, circuit, edge, viscous)
+    a = jacobian(to_vector(point), circuit, edge, viscous)
     b = np.zeros((len(STATES), len(INPUTS)))
-    b[S_RATE, 0], b[V, 1] = circuit.valve.natural_frequency**2, 1.0 / circuit.load.mass
+    b[S_RATE, 0], b[V, 1] = circuit.parts.valve.natural_frequency**2, 1.0 / circuit.parts.load.mass
     c = np.array([[float(state == tap) for state in STATES] for tap in TAPS.values()])
     valve = f"spool {point.spool.position:g}" if edge is None else f"land edge {edge}, overlap removed"
     note = f"{valve}, friction {f'{viscous:g} N s/m' if viscous else 'off'}"
@@ -150,89 +159,83 @@ def linearise(
     return system
 
 
-def jacobian(point: State, circuit: Circuit, edge: str | None, viscous: float = 0.0) -> Array:
-    """Slopes of `vector_rates` by the state, for a point whose pressures stand still; edge as in `linearise`."""
-    y, c = to_vector(point, circuit), circuit
+def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0) -> Array:
+    """Slopes of `vector_rates` by STATES, where pressures stand still; edge as in `linearise`."""
+    c, lines = circuit.parts, circuit.lines
     a = np.zeros((len(STATES), len(STATES)))
-    a[:FLOW] = _inflow_slopes(point, c, edge) / _capacities(y, c)[:, None]
-    for index, ((source, sink), line) in enumerate(zip(ENDS, _lines(c), strict=True)):
-        ends = [FLOW + index, source] if sink is None else [FLOW + index, source, sink]
-        a[FLOW + index, ends] = np.array([-resistance_slope(y[FLOW + index], line), 1.0, -1.0])[: len(ends)]
-        a[FLOW + index] /= line.inertance
-    force_slopes = np.array([c.cylinder.area_lower, -c.cylinder.area_upper, -viscous])
-    a[V, [LOWER, UPPER, V]] = force_slopes / c.load.mass
+    a[:FLOW] = _inflow_slopes(y, circuit, edge) / _capacities(y, circuit)[:, None]
+    for line, (source, sink) in enumerate(LINE_ENDS):
+        q = float(y[FLOW + line])
+        a[FLOW + line, FLOW + line] = -line_slope(lines, line, q) - (fitting_slope(q, c.fitting) if line == 1 else 0.0)
+        a[FLOW + line, source] = 1.0
+        if sink >= 0:
+            a[FLOW + line, sink] = -1.0
+        a[FLOW + line] /= lines.inertance[line]
+    a[V, [LOWER, UPPER, V]] = np.array([c.cylinder.area_lower, -c.cylinder.area_upper, -viscous]) / c.load.mass
     omega = c.valve.natural_frequency
     a[S_RATE, [S, S_RATE]] = -(omega**2), -2.0 * c.valve.damping * omega
     a[X, V] = a[S, S_RATE] = 1.0
     return a
 
 
-def _inflow_slopes(point: State, c: Circuit, edge: str | None) -> Array:
-    """Slopes of C p' = S' - V' (1 + p/B), a row per node."""
-    y, slopes = to_vector(point, c), np.zeros((FLOW, len(STATES)))
-    for index, (source, sink) in enumerate(ENDS):
-        slopes[source, FLOW + index] = -1.0
-        if sink is not None:
-            slopes[sink, FLOW + index] = 1.0
-    leak = Land(LOWER, UPPER, 1.0 / c.cylinder.leakage_resistance, 0.0)
-    for source, sink, by_drop, by_spool in (leak, *lands(point, c, edge)):
+def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None) -> Array:
+    """Slopes of C p' = S' - V' (1 + p/B), a row per place."""
+    c, slopes = circuit.parts, np.zeros((FLOW, len(STATES)))
+    for line, (source, sink) in enumerate(LINE_ENDS):
+        slopes[source, FLOW + line] = -1.0
+        if sink >= 0:
+            slopes[sink, FLOW + line] = 1.0
+    leak = Land(LOWER, UPPER, c.cylinder.leakage, 0.0)
+    for source, sink, by_drop, by_spool in (leak, *lands(y, circuit, edge)):
         slopes[source, [source, sink, S]] += -by_drop, by_drop, -by_spool
         slopes[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
-    slopes[PUMP, PUMP] += pumped_oil(y[PUMP], c.pump, c.oil.bulk_modulus)[1]
-    slopes[TEE, TEE] -= relief_slope(y[TEE], c.relief)
-    slopes[LOWER, LOWER] -= c.cylinder.area_lower / c.oil.bulk_modulus * y[V]
-    slopes[UPPER, UPPER] += c.cylinder.area_upper / c.oil.bulk_modulus * y[V]
-    slopes[:, V] = -_swept(y, c)
+    slopes[PUMP, PUMP] += pumped_oil(float(y[PUMP]), 1.0, c.pump, c.oil.bulk_modulus)[1]
+    if c.fitted.relief:
+        slopes[TEE, TEE] -= relief_slope(float(y[TEE]), c.relief)
+    per_stroke = c.cylinder.area_lower / c.oil.bulk_modulus, c.cylinder.area_upper / c.oil.bulk_modulus
+    slopes[LOWER, LOWER] -= per_stroke[0] * y[V]
+    slopes[UPPER, UPPER] += per_stroke[1] * y[V]
+    slopes[LOWER, V] = -c.cylinder.area_lower - per_stroke[0] * y[LOWER]
+    slopes[UPPER, V] = c.cylinder.area_upper + per_stroke[1] * y[UPPER]
     return slopes
 
 
-def lands(point: State, circuit: Circuit, edge: str | None) -> list[Land]:
-    """The two open lands, or those at whose edge the spool stands; none for a shut valve."""
-    valve, p = circuit.valve, pressures(point, circuit)
-    side = edge or ("+" if point.spool.position > 0.0 else "-")
+def lands(y: Array, circuit: Circuit, edge: str | None) -> list[Land]:
+    """The two open lands at a vector of STATES, or those at whose edge the spool stands; none for a shut valve."""
+    valve, oil = circuit.parts.valve, circuit.parts.oil
+    side = edge or ("+" if y[S] > 0.0 else "-")
     sign = 1.0 if side == "+" else -1.0
-    area = 0.0 if edge else opening(sign * point.spool.position, valve)
+    area = 0.0 if edge else opening(sign * float(y[S]), valve)
     widening = sign * valve.area / (1.0 - valve.overlap)  # dA/ds
     found = []
     for source, sink in LANDS[side]:
-        drop = p[source] - p[sink]
-        speed = valve.orifice.discharge * math.copysign(math.sqrt(2.0 * abs(drop) / circuit.oil.density), drop)
-        by_drop, by_area = flow_slopes(drop, area, valve.orifice, circuit.oil) if area > 0.0 else (0.0, speed)
+        drop = float(y[source] - y[sink])
+        speed = valve.orifice.discharge * math.copysign(math.sqrt(2.0 * abs(drop) / oil.density), drop)
+        by_drop, by_area = flow_slopes(drop, area, valve.orifice, oil) if area > 0.0 else (0.0, speed)
         if edge or area > 0.0:
             found.append(Land(source, sink, by_drop, by_area * widening))
     return found
 
 
-def _lines(c: Circuit) -> tuple[LumpedLine, ...]:
-    return c.line_1, c.line_2, c.line_3, c.line_4, c.line_5, c.line_6
-
-
 def _capacities(y: Array, circuit: Circuit) -> Array:
-    return np.array([node.capacity for node in nodes(from_vector(y, circuit).oil, float(y[X]), circuit)])
-
-
-def _swept(y: Array, circuit: Circuit) -> Array:
-    """What the piston takes per metre, as stored oil [m^2]: dV/dx (1 + p/B)."""
-    swept, cylinder, modulus = np.zeros(FLOW), circuit.cylinder, circuit.oil.bulk_modulus
-    swept[LOWER] = cylinder.area_lower * (1.0 + y[LOWER] / modulus)
-    swept[UPPER] = -cylinder.area_upper * (1.0 + y[UPPER] / modulus)
-    return swept
+    out = np.empty(FLOW)
+    capacities(float(y[X]), *compiled(circuit), out)
+    return out
 
 
 def _scales(circuit: Circuit) -> tuple[Array, Array]:
     """Sizes of the unknowns, and of their rates, that bring a moving point's equations to order one."""
-    inertances = [line.inertance for line in _lines(circuit)]
-    capacities = [node.capacity for node in nodes(fill(Pressures(*[0.0] * 9), 0.0, circuit), 0.0, circuit)]
-    row = np.array([*(1e4 * np.array(capacities)), *(1e-5 * np.array(inertances)), 1e-3 * circuit.load.mass])
+    inertances, mass = circuit.lines.inertance, circuit.parts.load.mass
+    row = np.array([*(1e4 * _capacities(np.zeros(len(STATES)), circuit)), *(1e-5 * inertances), 1e-3 * mass])
     return np.array([1e5] * 9 + [1e-4] * 6 + [0.1]), row
 
 
 def _refuse_cavity(p: Pressures, circuit: Circuit) -> None:
     for node, pressure in zip(Pressures._fields, p, strict=True):
-        if pressure <= circuit.oil.vapour_pressure:
+        if pressure <= circuit.parts.oil.vapour_pressure:
             raise ValueError(
                 f"oil would cavitate at {node!r}: the balance asks for less than the vapour pressure, "
-                f"{circuit.oil.vapour_pressure / 1e5:g} bar; take a smaller load or opening, or a stronger supply"
+                f"{circuit.parts.oil.vapour_pressure / 1e5:g} bar; take a smaller load or opening, or a stronger supply"
             )
 
 

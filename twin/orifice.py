@@ -7,7 +7,7 @@ The hydraulic diameter is that of the round hole of the same area (assumed).
 import math
 from typing import NamedTuple
 
-from twin.kernel import kernel
+from twin.kernel import inlined
 from twin.oil import Oil
 
 
@@ -18,7 +18,7 @@ class Orifice(NamedTuple):
     transition: float  # Re_t [-]
 
 
-@kernel
+@inlined
 def resistance(area: float, orifice: Orifice, oil: Oil) -> tuple[float, float]:
     """(a, b) of dp = a Q|Q| + b Q, for an area [m^2] > 0; a [Pa s^2/m^6], b [Pa s/m^3]."""
     diameter = math.sqrt(4.0 * area / math.pi)
@@ -26,7 +26,7 @@ def resistance(area: float, orifice: Orifice, oil: Oil) -> tuple[float, float]:
     return a, a * area * oil.viscosity * orifice.transition / diameter
 
 
-@kernel
+@inlined
 def quadratic_flow(drop: float, a: float, b: float) -> float:
     """Q [m^3/s] with a Q|Q| + b Q = drop, for a, b >= 0, not both zero. Free of cancellation."""
     if drop == 0.0:
@@ -35,7 +35,7 @@ def quadratic_flow(drop: float, a: float, b: float) -> float:
     return 2.0 * drop / (b + math.sqrt(b * b + 4.0 * a * size))
 
 
-@kernel
+@inlined
 def flow(drop: float, area: float, orifice: Orifice, oil: Oil) -> float:
     """Q [m^3/s] through an area [m^2] at a pressure drop [Pa]; odd in the drop, zero when shut."""
     if area <= 0.0:

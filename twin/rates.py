@@ -1,73 +1,98 @@
-"""The circuit as one ordinary differential equation, stated once: what `circuit` integrates, without its time steps.
+"""The circuit as one ordinary differential equation: lumped lines, the steady curve of the relief valve, mean pump flow.
 
-Left out is what has no rate: end stops, the limits of the spool, and the set-valued seal friction, in whose place a
-viscous slope may stand. Any integrator of the reader's choice can check the scheme in `circuit` against it.
+It states once more, without time steps, what `circuit` integrates when its lines are lumped: any integrator of the
+reader's choice can check the scheme against it, and `linear` takes its slopes. Fittings count to their line's own
+resistance. Left out is what has no rate: end
+stops, limits of the spool, cavities, the weight that joins, and the set-valued seal friction, in whose place a viscous
+slope may stand.
 """
 
-from twin.circuit import Circuit, Flows, Ledger, Piston, Pressures, Spool, State, Stored, pressures
-from twin.cylinder import drive
-from twin.kernel import kernel
-from twin.lines.lumped import LumpedLine, line_resistance
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.circuit import Circuit, land_areas
+from twin.cylinder import chamber_volumes
+from twin.fitting import fitting_resistance
+from twin.kernel import inlined, kernel
+from twin.lines.bank import steady_drop, unpacked
 from twin.orifice import flow
 from twin.pump import pumped_oil
-from twin.relief import relief_flow
-from twin.spool_valve import opening
+from twin.relief_steady import steady_flow
+from twin.state import Flows, Pressures
+
+STATES = (*(f"p_{place}" for place in Pressures._fields), *Flows._fields, "position", "velocity", "spool", "spool_velocity")
+PUMP, TEE, P, A, LOWER, UPPER, B, T, BACK = range(9)
+FLOW, X, V, S, S_RATE = 9, 15, 16, 17, 18
+LINE_ENDS = ((PUMP, TEE), (TEE, P), (A, LOWER), (B, UPPER), (T, BACK), (BACK, -1))  # -1: the tank
+
+
+def vector_rates(y: NDArray[np.float64], reference: float, circuit: Circuit, viscous: float = 0.0) -> NDArray[np.float64]:
+    """Rates of STATES [SI per s] under a spool reference; viscous: friction over speed [N s/m]."""
+    from twin.block import compiled
+
+    out = np.empty(len(STATES))
+    rates(np.asarray(y, float), reference, *compiled(circuit), viscous, out)
+    return out
 
 
 @kernel
-def rates(s: State, reference: float, c: Circuit, viscous: float = 0.0) -> State:
-    """Time derivative of every part of a state under a spool reference; viscous: friction over speed [N s/m]."""
-    p = pressures(s, c)
-    oil, ledger = oil_rates(s, p, c)
+def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> None:
+    """Fill `out` with the rates of a vector of STATES; parts, whole, numbers: of `Compiled`."""
+    c, lines = parts[0], unpacked(whole, numbers)
+    _inflows(y, c, out)
+    for line in range(6):
+        first, second = LINE_ENDS[line]
+        out[first] -= y[FLOW + line]
+        drop = y[first]
+        if second >= 0:
+            out[second] += y[FLOW + line]
+            drop -= y[second]
+        if line == 1:
+            drop -= fitting_resistance(y[FLOW + 1], c.fitting) * y[FLOW + 1]
+        out[FLOW + line] = (drop - steady_drop(lines, line, y[FLOW + line])) / lines.inertance[line]
+    b, cylinder = c.oil.bulk_modulus, c.cylinder
+    out[LOWER] -= cylinder.area_lower * (1.0 + y[LOWER] / b) * y[V]
+    out[UPPER] += cylinder.area_upper * (1.0 + y[UPPER] / b) * y[V]
+    for place in range(9):
+        out[place] /= _capacity(place, y[X], c, lines)
+    out[X] = y[V]
+    force = cylinder.area_lower * y[LOWER] - cylinder.area_upper * y[UPPER] + c.load.force
+    out[V] = (force - viscous * y[V]) / c.load.mass - c.load.gravity
     spring, damping = c.valve.natural_frequency**2, 2.0 * c.valve.damping * c.valve.natural_frequency
-    v = s.piston.velocity
-    return State(
-        oil,
-        flow_rates(s.flows, p, c),
-        Piston(v, (drive(p.lower, p.upper, c.cylinder, c.load) - viscous * v) / c.load.mass),
-        Spool(s.spool.velocity, spring * (reference - s.spool.position) - damping * s.spool.velocity),
-        ledger,
-    )
+    out[S] = y[S_RATE]
+    out[S_RATE] = spring * (reference - y[S]) - damping * y[S_RATE]
 
 
 @kernel
-def flow_rate(q: float, drop: float, line: LumpedLine) -> float:
-    """Rate of a line's flow [m^3/s^2] under a pressure drop [Pa]."""
-    return (drop - line_resistance(q, line) * q) / line.inertance
+def _inflows(y, c, out) -> None:
+    """What the components bring into each place [m^3/s]."""
+    area, orifice = land_areas(y[S], c), c.valve.orifice
+    p_a, b_t = flow(y[P] - y[A], area.p_a, orifice, c.oil), flow(y[B] - y[T], area.b_t, orifice, c.oil)
+    p_b, a_t = flow(y[P] - y[B], area.p_b, orifice, c.oil), flow(y[A] - y[T], area.a_t, orifice, c.oil)
+    leak = c.cylinder.leakage * (y[LOWER] - y[UPPER])
+    out[PUMP] = pumped_oil(y[PUMP], 1.0, c.pump, c.oil.bulk_modulus)[0]
+    out[TEE] = -steady_flow(y[TEE], c.relief) if c.fitted.relief == 1.0 else 0.0
+    out[P], out[A], out[B], out[T], out[BACK] = -p_a - p_b, p_a - a_t, p_b - b_t, b_t + a_t, 0.0
+    out[LOWER], out[UPPER] = -leak, leak
 
 
 @kernel
-def flow_rates(q: Flows, p: Pressures, c: Circuit) -> Flows:
-    """Rates of the line flows [m^3/s^2]."""
-    return Flows(
-        flow_rate(q.line_1, p.pump - p.tee, c.line_1),
-        flow_rate(q.line_2, p.tee - p.p, c.line_2),
-        flow_rate(q.line_3, p.a - p.lower, c.line_3),
-        flow_rate(q.line_4, p.b - p.upper, c.line_4),
-        flow_rate(q.line_5, p.t - p.back, c.line_5),
-        flow_rate(q.line_6, p.back, c.line_6),
-    )
+def capacities(position: float, parts, whole, numbers, out) -> None:
+    """Fill `out` with the oil per pressure [m^3/Pa] at the nine places, the piston at a position [m]."""
+    for place in range(9):
+        out[place] = _capacity(place, position, parts[0], unpacked(whole, numbers))
 
 
-@kernel
-def oil_rates(s: State, p: Pressures, c: Circuit) -> tuple[Stored, Ledger]:
-    """Rates of the oil in the nodes and across the border [m^3/s]."""
-    orifice, q = c.valve.orifice, s.flows
-    up, down = opening(s.spool.position, c.valve), opening(-s.spool.position, c.valve)
-    p_a, b_t = flow(p.p - p.a, up, orifice, c.oil), flow(p.b - p.t, up, orifice, c.oil)
-    p_b, a_t = flow(p.p - p.b, down, orifice, c.oil), flow(p.a - p.t, down, orifice, c.oil)
-    supply = pumped_oil(p.pump, c.pump, c.oil.bulk_modulus)[0]
-    bypass = relief_flow(p.tee, c.relief)
-    leak = (p.lower - p.upper) / c.cylinder.leakage_resistance
-    oil = Stored(
-        supply - q.line_1,
-        q.line_1 - q.line_2 - bypass,
-        q.line_2 - p_a - p_b,
-        p_a - a_t - q.line_3,
-        q.line_3 - leak,
-        q.line_4 + leak,
-        p_b - b_t - q.line_4,
-        b_t + a_t - q.line_5,
-        q.line_5 - q.line_6,
-    )
-    return oil, Ledger(supply, bypass, q.line_6)
+@inlined
+def _capacity(place: int, position: float, c, lines) -> float:
+    """Oil per pressure [m^3/Pa] at a place: half of each line that ends there, and its chamber."""
+    total = 0.0
+    for line in range(6):
+        if LINE_ENDS[line][0] == place or LINE_ENDS[line][1] == place:
+            total += 0.5 * lines.capacity[line]
+    volume = chamber_volumes(position, c.cylinder)
+    if place == LOWER:
+        total += volume.lower / c.oil.bulk_modulus
+    if place == UPPER:
+        total += volume.upper / c.oil.bulk_modulus
+    return total

@@ -1,71 +1,121 @@
-"""Pressure relief valve as a static curve: three straight pieces through the steady two-stage valve.
+"""Pilot-operated pressure relief valve, two-stage and dynamic: its numbers, and a step at the end of lines.
 
-Shut up to the cracking pressure; then the pilot alone, up to the knee where the main stage opens; then the slight
-slope (override) of the main stage.
+The oil inside is in `relief_network.py`, the moving bodies in `relief_motion.py`, steady states in `relief_steady.py`.
+Symbols and signs: PHYSICS sheet, section B, after (2.15) to (2.45) of the source. Lifts >= 0 from the seats, flow into
+the valve is positive, pressures gauge, tank at zero.
 """
 
-from typing import NamedTuple
+import math
 
-from twin.kernel import kernel
-from twin.node import Node, implicitness
+from twin.contact import Stops
+from twin.kernel import inlined
+from twin.main_stage import main_stage
+from twin.oil import Oil
+from twin.orifice import Orifice, resistance
+from twin.poppet import cracking_pressure, poppet
+from twin.relief_motion import Motion, ReliefState, begin, substep, substeps
+from twin.relief_network import Orifices, Relief
+
+SHUT = ReliefState(0.0, 0.0, 0.0, 0.0)
 
 
-class Relief(NamedTuple):
-    """Corners and slopes of the static curve."""
+def relief(
+    oil: Oil,
+    *,
+    orifice_diameter: float,
+    orifice_discharge: float,
+    orifice_transition: float,
+    nozzle_diameter: float,
+    nozzle_discharge: float,
+    nozzle_transition: float,
+    seat_diameter: float,
+    cone_angle: float,
+    loss_factor: float,
+    loss_exponent: float,
+    pilot_mass: float,
+    pilot_stiffness: float,
+    pilot_precompression: float,
+    pilot_travel: float,
+    pilot_restitution: float,
+    pilot_spring_diameter: float,
+    pilot_spring_turns: float,
+    spool_mass: float,
+    spool_diameter: float,
+    spool_angle: float,
+    spool_length: float,
+    spool_gap: float,
+    spool_stiffness: float,
+    spool_precompression: float,
+    spool_travel: float,
+    spool_restitution: float,
+    spool_discharge: float,
+    damping_length: float,
+    rest_speed: float,
+) -> Relief:
+    """The valve of these numbers (SI). Orifices 1 and 3 are alike, the nozzle is orifice 2."""
+    edge, nozzle = Orifice(orifice_discharge, orifice_transition), Orifice(nozzle_discharge, nozzle_transition)
+    a_1, b_1 = resistance(math.pi / 4.0 * orifice_diameter**2, edge, oil)
+    a_2, b_2 = resistance(math.pi / 4.0 * nozzle_diameter**2, nozzle, oil)
+    return Relief(
+        poppet(
+            oil,
+            mass=pilot_mass,
+            stiffness=pilot_stiffness,
+            precompression=pilot_precompression,
+            spring_diameter=pilot_spring_diameter,
+            spring_turns=pilot_spring_turns,
+            diameter=seat_diameter,
+            angle=cone_angle,
+            loss_factor=loss_factor,
+            loss_exponent=loss_exponent,
+            stops=Stops(pilot_travel, pilot_restitution, rest_speed),
+        ),
+        main_stage(
+            oil,
+            mass=spool_mass,
+            stiffness=spool_stiffness,
+            precompression=spool_precompression,
+            diameter=spool_diameter,
+            angle=spool_angle,
+            length=spool_length,
+            gap=spool_gap,
+            discharge=spool_discharge,
+            damping_length=damping_length,
+            stops=Stops(spool_travel, spool_restitution, rest_speed),
+        ),
+        Orifices(a_1 + a_2, b_1 + b_2, a_1, b_1),
+    )
 
-    cracking: float  # [Pa]
-    knee: float  # [Pa]
-    pilot_slope: float  # [m^3/(s Pa)], between them
-    main_slope: float  # [m^3/(s Pa)], beyond the knee
+
+@inlined
+def shut(s: ReliefState) -> bool:
+    """Do both bodies rest on their seats?"""
+    return s.pilot_lift == 0.0 and s.pilot_velocity == 0.0 and s.spool_lift == 0.0 and s.spool_velocity == 0.0
 
 
-def relief(setting: float, setting_flow: float, override: float, pilot_band: float, pilot_flow: float) -> Relief:
-    """The valve that holds `setting` [Pa] at `setting_flow` [m^3/s].
+@inlined
+def go_on(m: Motion, c_before: float, c_after: float, z: float, valve: Relief, step: float) -> tuple[Motion, int]:
+    """The valve a step [s] later, and the number of substeps; c goes straight from c_before to c_after."""
+    if shut(m.state):
+        if max(c_before, c_after) <= cracking_pressure(valve.pilot):
+            return Motion(m.state, m.y, m.pilot_force, m.pilot_oil, 0.0), 0
+        m = begin(m.state, c_before - z * m.flow, m.flow, valve)
+    n = substeps(m, c_after - c_before, step, valve.pilot)
+    h, slope = step, 0.0
+    if n > 1:
+        h, slope = step / n, (c_after - c_before) / n
+    for left in range(n - 1, -1, -1):
+        m = substep(m, c_after - left * slope, z, h, valve)
+    return m, n
 
-    override: [Pa s/m^3] of the main stage; pilot_band: knee less cracking pressure [Pa]; pilot_flow: at the knee.
+
+@inlined
+def relieve(
+    s: ReliefState, c_before: float, c_after: float, z: float, flow_before: float, valve: Relief, step: float
+) -> tuple[ReliefState, float, float, int]:
+    """A state a step [s] later, and Q [m^3/s], p [Pa] and the number of substeps.
+
+    flow_before: Q at the start, so that c_before - z flow_before is the inlet's pressure there.
     """
-    knee = setting - override * (setting_flow - pilot_flow)
-    return Relief(knee - pilot_band, knee, pilot_flow / pilot_band, 1.0 / override)
-
-
-@kernel
-def relief_flow(pressure: float, valve: Relief) -> float:
-    """Q [m^3/s] at an inlet pressure [Pa], tank at zero."""
-    if pressure <= valve.cracking:
-        return 0.0
-    if pressure <= valve.knee:
-        return valve.pilot_slope * (pressure - valve.cracking)
-    return valve.pilot_slope * (valve.knee - valve.cracking) + valve.main_slope * (pressure - valve.knee)
-
-
-@kernel
-def relief_slope(pressure: float, valve: Relief) -> float:
-    """dQ/dp [m^3/(s Pa)]."""
-    if pressure <= valve.cracking:
-        return 0.0
-    return valve.pilot_slope if pressure <= valve.knee else valve.main_slope
-
-
-@kernel
-def relieve(pressure_before: float, node: Node, valve: Relief, step: float) -> float:
-    """Mean flow [m^3/s] out of a node over a step [s], theta rule, solved exactly piece by piece.
-
-    The node is that at the end of the step with all other flows already added.
-    """
-    flow_before = relief_flow(pressure_before, valve)
-    theta = implicitness(step * relief_slope(pressure_before, valve) / node.capacity)
-    start = (node.stored - (1.0 - theta) * step * flow_before - node.volume) / node.capacity
-    z = theta * step / node.capacity
-    return (1.0 - theta) * flow_before + theta * _end_flow(start, z, valve)
-
-
-@kernel
-def _end_flow(start: float, z: float, valve: Relief) -> float:
-    """Q with Q = relief_flow(start - z Q)."""
-    if start <= valve.cracking:
-        return 0.0
-    pilot = (start - valve.cracking) * valve.pilot_slope / (1.0 + z * valve.pilot_slope)
-    if start - z * pilot <= valve.knee:
-        return pilot
-    knee_flow = valve.pilot_slope * (valve.knee - valve.cracking)
-    return (knee_flow + valve.main_slope * (start - valve.knee)) / (1.0 + z * valve.main_slope)
+    m, n = go_on(begin(s, c_before - z * flow_before, flow_before, valve), c_before, c_after, z, valve, step)
+    return m.state, m.flow, c_after - z * m.flow, n

@@ -1,23 +1,13 @@
-"""The rig: every number of it, once, with its unit and source, and the circuit they make.
+"""The rig: every number and every choice of it, once, with its unit and source.
 
 Sources: "Table 2.1" and the like are those of the thesis; "data sheet" the makers'; "assumed" is ours.
-Units are SI; `unit` says which, so that a scenario may write bar, mm or l/min and be checked.
+Units are SI; `unit` says which, so that a scenario may write bar, mm or l/min and be checked. `build` makes a circuit
+of them.
 """
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
-
-from twin.circuit import Circuit
-from twin.contact import Stops
-from twin.cylinder import Cylinder, Load, chamber_volumes
-from twin.lines.lumped import LumpedLine, lumped_line
-from twin.oil import Oil, effective_modulus, fluid_modulus, kinematic_viscosity
-from twin.orifice import Orifice, area_for
-from twin.pump import Pump, displacement
-from twin.relief import Relief, relief
-from twin.seal import Seal, least_mass, seal
-from twin.spool_valve import SpoolValve, step_matrix
+from typing import Any, NamedTuple
 
 
 class Number(NamedTuple):
@@ -30,27 +20,46 @@ class Number(NamedTuple):
     high: float = math.inf  # largest allowed value
 
 
-Numbers = Mapping[str, Mapping[str, float]]
+class Choice(NamedTuple):
+    """One of several words."""
+
+    value: str
+    options: tuple[str, ...]
+    source: str
+
+
+Entry = Number | Choice
+Values = Mapping[str, Mapping[str, Any]]  # part -> name -> number or word
 
 TINY = 1e-12  # smallest value of what must not be zero
 STEEL = Number(2.1e11, "Pa", "steel; the source used 2.1e10, ten times too small", TINY)
 RUBBER = Number(1.09e9, "Pa", "2.2.3, HIDOL hose", TINY)
+MODELS = ("ends", "nodes", "lumped")
+FRICTIONS = ("unsteady", "quasi-steady", "steady", "none")
 
 
-def _pipe(length: float, hose: bool) -> dict[str, Number]:
+def _pipe(length: float, hose: bool) -> dict[str, Entry]:
     return {
         "length": Number(length, "m", "assumed, the figure is lost", TINY),
         "diameter": Number(11e-3, "m", "2.2.1, inner", TINY),
         "wall": Number(5e-3 if hose else 2e-3, "m", "assumed" if hose else "2.2.1, outer 15 mm", TINY),
         "young": RUBBER if hose else STEEL,
+        "model": Choice("ends", MODELS, "ends: waves, end to end; nodes: pressure and cavities inside; lumped: no waves"),
+        "friction": Choice("unsteady", FRICTIONS, "2.5.2; in turbulent flow quasi-steady"),
     }
 
 
-RIG: dict[str, dict[str, Number]] = {
+RIG: dict[str, dict[str, Entry]] = {
     "oil": {
         "density": Number(878.0, "kg/m^3", "2.4; 876.56 measured in 2.2.3", TINY),
         "temperature": Number(40.07, "degC", "where the valve's table has nu = 40 mm^2/s, by (2.6)", -20.0, 80.0),
-        "wave_speed": Number(1137.0, "m/s", "2.2.3, measured in the steel pipe", TINY),
+        "wave_speed": Number(
+            1137.0,
+            "m/s",
+            "2.2.3, measured in the steel pipe: 1.135e9 Pa; 1329 m/s is chapter 4's 1.55e9, 1132 m/s chapter 5's 1.125e9",
+            TINY,
+        ),
+        "cavitation": Choice("vapour", ("vapour", "none"), "vapour: discrete cavities; none: oil bears any tension"),
         "vapour_pressure": Number(-1e5, "Pa", "assumed: perfect vacuum, gauge", -math.inf, 0.0),
     },
     "pump": {
@@ -62,19 +71,52 @@ RIG: dict[str, dict[str, Number]] = {
         "efficiency": Number(0.875, "", "2.6, volumetric, at 1230 rpm", 0.0, 1.0),
         "efficiency_speed": Number(1230.0 / 60.0, "1/s", "2.6, where it was found"),
         "efficiency_pressure": Number(35e5, "Pa", "assumed, where it was found", TINY),
+        "run_up": Number(0.0, "s", "assumed: time from standstill to full speed at the start; 0: it runs already"),
+        "ripple": Choice("teeth", ("teeth", "none"), "(2.104); none: the mean flow"),
     },
     "relief": {
-        "setting": Number(67e5, "Pa", "2.6", TINY),
-        "setting_flow": Number(26.7e-3 / 60.0, "m^3/s", "2.6, the flow it was set at: all of the pump's"),
-        "override": Number(2.5e5 / (100e-3 / 60.0), "Pa s/m^3", "steady two-stage valve, 1 to 100 l/min", TINY),
-        "pilot_band": Number(6.1e5, "Pa", "steady two-stage valve, cracking to knee", TINY),
-        "pilot_flow": Number(0.225e-3 / 60.0, "m^3/s", "steady two-stage valve, at the knee", TINY),
+        "kind": Choice("two-stage", ("two-stage", "none"), "2.4; none: the tee has no valve"),
+        "setting": Number(67e5, "Pa", "2.6; the pilot spring is precompressed for it", TINY),
+        "setting_flow": Number(26.7e-3 / 60.0, "m^3/s", "2.6, the flow it was set at: all of the pump's", TINY),
+        "orifice_diameter": Number(0.6e-3, "m", "2.4, orifices 1 and 3", TINY),
+        "orifice_discharge": Number(0.61, "", "2.4, orifices 1 and 3", TINY),
+        "orifice_transition": Number(9.33, "", "2.4, orifices 1 and 3: Reynolds number", 0.1),
+        "nozzle_diameter": Number(0.8e-3, "m", "assumed, orifice 2: the source's plots point to 0.75..0.8 mm", TINY),
+        "nozzle_discharge": Number(0.86, "", "2.4, orifice 2", TINY),
+        "nozzle_transition": Number(30.0, "", "2.4, orifice 2: Reynolds number", 0.1),
+        "seat_diameter": Number(5.6e-3, "m", "Table 2.4, pilot; its 2.8 mm is a radius", TINY),
+        "cone_angle": Number(math.radians(21.0), "rad", "Table 2.4, pilot, half the angle of the cone", TINY, 1.57),
+        "loss_factor": Number(0.369, "", "(2.26), pilot seat", TINY),
+        "loss_exponent": Number(2.3, "", "(2.26), pilot seat", 1.0, 4.0),
+        "pilot_mass": Number(10.6e-3, "kg", "Table 2.4, with a third of the spring", TINY),
+        "pilot_stiffness": Number(811e3, "N/m", "Table 2.4", TINY),
+        "pilot_travel": Number(6e-3, "m", "Table 2.4", TINY),
+        "pilot_restitution": Number(0.2, "", "assumed; chapter 4 takes 0.8 for this poppet", 0.0, 1.0),
+        "pilot_spring_diameter": Number(13e-3, "m", "Table 2.4, outer; the printed 0.0215 N s/m takes it as the mean", TINY),
+        "pilot_spring_turns": Number(10.0, "", "Table 2.4", TINY),
+        "spool_mass": Number(65.3e-3, "kg", "Table 2.3", TINY),
+        "spool_diameter": Number(26e-3, "m", "named choice: 2.4.2 has A = 5.31e-4 m^2; Table 2.3 prints 22 mm", TINY),
+        "spool_angle": Number(math.radians(45.0), "rad", "Table 2.3", TINY, 1.57),
+        "spool_length": Number(40e-3, "m", "Table 2.3", TINY),
+        "spool_gap": Number(0.1e-3, "m", "Table 2.3", TINY),
+        "spool_stiffness": Number(27.3e3, "N/m", "Table 2.3", TINY),
+        "spool_precompression": Number(5e-3, "m", "assumed: 2.57 bar"),
+        "spool_travel": Number(4e-3, "m", "Table 2.3", TINY),
+        "spool_restitution": Number(0.2, "", "assumed", 0.0, 1.0),
+        "spool_discharge": Number(0.61, "", "named choice: stated in 2.4; all numbers of the source use 0.8", TINY),
+        "damping_length": Number(10e-3, "m", "named choice: the printed 32.74 N s/m needs 10 mm; 20 mm is stated"),
+        "rest_speed": Number(1e-4, "m/s", "assumed, slower impacts of both stages are dead"),
     },
     "filter": {
-        "drop": Number(0.5e5, "Pa", "assumed, at its flow"),
+        "drop": Number(0.5e5, "Pa", "assumed, at its flow, in proportion to it"),
+        "flow": Number(30e-3 / 60.0, "m^3/s", "assumed", TINY),
+    },
+    "two_position_valve": {
+        "drop": Number(0.5e5, "Pa", "assumed, at its flow, as its square"),
         "flow": Number(30e-3 / 60.0, "m^3/s", "assumed", TINY),
     },
     "valve": {
+        "kind": Choice("proportional", ("proportional", "switching"), "2.2.1: 4WRAE 10 E 30 or 4WE 10 G"),
         "rated_flow": Number(30e-3 / 60.0, "m^3/s", "data sheet, 4WRAE 10 E 30", TINY),
         "rated_drop": Number(10e5, "Pa", "data sheet, over both lands", TINY),
         "overlap": Number(0.1, "", "assumed, E spool, share of the travel", 0.0, 0.9),
@@ -84,6 +126,13 @@ RIG: dict[str, dict[str, Number]] = {
         "discharge": Number(0.61, "", "2.4, sharp edge", TINY),
         "transition": Number(9.33, "", "2.4, transition Reynolds number"),
         "full_scale": Number(10.0, "V", "data sheet; the source prints mV", TINY),
+    },
+    "switching_valve": {
+        "rated_flow": Number(60e-3 / 60.0, "m^3/s", "assumed, 4WE 10 G", TINY),
+        "rated_drop": Number(5e5, "Pa", "assumed, over one land", TINY),
+        "switching_time": Number(30e-3, "s", "assumed; the source takes it as zero and finds that wrong", TINY),
+        "discharge": Number(0.61, "", "2.4, sharp edge", TINY),
+        "transition": Number(9.33, "", "2.4, transition Reynolds number"),
     },
     "cylinder": {
         "bore": Number(50e-3, "m", "Table 2.1", TINY),
@@ -106,6 +155,9 @@ RIG: dict[str, dict[str, Number]] = {
         "mass": Number(120.0, "kg", "2.6, piston included", TINY),
         "gravity": Number(9.81, "m/s^2", "2.6"),
         "force": Number(0.0, "N", "assumed, on the piston, upwards", -math.inf),
+        "added": Number(0.0, "kg", "2.6: 183 kg in the load-change test; 0 for none"),
+        "added_at": Number(138e-3, "m", "2.6, position of the piston where it meets the weight"),
+        "contact_time": Number(3e-3, "s", "2.6, by trial and error: half-period of the weight on its buffer", TINY),
     },
     "pipe_1": _pipe(1.0, hose=False),
     "pipe_2": _pipe(2.5, hose=False),
@@ -116,126 +168,10 @@ RIG: dict[str, dict[str, Number]] = {
 }
 
 
-def numbers(overrides: Numbers | None = None) -> dict[str, dict[str, float]]:
-    """The rig's numbers as plain floats, with a scenario's own in place of some."""
+def values(overrides: Values | None = None) -> dict[str, dict[str, Any]]:
+    """The rig's numbers and words, with a scenario's own in place of some."""
     overrides = overrides or {}
     return {
-        part: {name: overrides.get(part, {}).get(name, number.value) for name, number in entries.items()}
+        part: {name: overrides.get(part, {}).get(name, entry.value) for name, entry in entries.items()}
         for part, entries in RIG.items()
     }
-
-
-def build(rig: Numbers, step: float) -> Circuit:
-    """The circuit of a rig at an internal step [s]. Raises ValueError where the step is too coarse for a part."""
-    oil = _oil(rig)
-    viscosity = oil.density * oil.viscosity
-    friction = rig["seal"]
-    circuit = Circuit(
-        step=step,
-        oil=oil,
-        pump=_pump(rig["pump"]),
-        relief=_relief(rig["relief"]),
-        valve=_valve(rig["valve"], oil, step),
-        cylinder=_cylinder(rig["cylinder"]),
-        seal=seal(
-            friction["alpha"],
-            friction["beta"],
-            friction["limit"],
-            friction["width"],
-            math.pi * friction["diameter"],
-            viscosity,
-        ),
-        stops=Stops(rig["cylinder"]["stroke"], rig["cylinder"]["restitution"], rig["cylinder"]["rest_speed"]),
-        load=Load(rig["load"]["mass"], rig["load"]["gravity"], rig["load"]["force"]),
-        line_1=_line(rig, "pipe_1", oil, 0.0),
-        line_2=_line(rig, "pipe_2", oil, rig["filter"]["drop"] / rig["filter"]["flow"]),
-        line_3=_line(rig, "pipe_3", oil, 0.0),
-        line_4=_line(rig, "pipe_4", oil, 0.0),
-        line_5=_line(rig, "pipe_5", oil, 0.0),
-        line_6=_line(rig, "pipe_6", oil, 0.0),
-    )
-    _refuse_coarse_step(circuit, circuit.seal)
-    return circuit
-
-
-def _refuse_coarse_step(circuit: Circuit, friction: Seal) -> None:
-    for index in range(1, 7):
-        line: LumpedLine = getattr(circuit, f"line_{index}")
-        longest = 0.5 * math.sqrt(line.inertance * line.end_capacity)
-        if circuit.step > longest:
-            raise ValueError(
-                f"internal step {circuit.step} s is too coarse for pipe_{index}: at most {longest:.3g} s; "
-                "take a smaller loop.step or a longer pipe"
-            )
-    stiffest = max(_oil_spring(circuit, x) for x in (0.0, circuit.stops.stroke))
-    if circuit.load.mass < (least := stiffest * circuit.step**2):
-        raise ValueError(
-            f"load.mass {circuit.load.mass} kg swings too fast on the oil for a step of {circuit.step} s: "
-            f"at least {least:.3g} kg; take a smaller loop.step"
-        )
-    if circuit.load.mass < (least := least_mass(friction, 0.5 * circuit.step)):
-        raise ValueError(
-            f"load.mass {circuit.load.mass} kg is too light for the seal's friction at a step of {circuit.step} s: "
-            f"at least {least:.3g} kg; take a smaller loop.step or seal.limit = 0"
-        )
-
-
-def _oil_spring(circuit: Circuit, position: float) -> float:
-    """Stiffness [N/m] of the oil shut in at both ends of the cylinder and the line ends that open into it."""
-    cylinder, modulus = circuit.cylinder, circuit.oil.bulk_modulus
-    v_lower, v_upper = chamber_volumes(position, cylinder)
-    lower = circuit.line_3.end_capacity + v_lower / modulus
-    upper = circuit.line_4.end_capacity + v_upper / modulus
-    return cylinder.area_lower**2 / lower + cylinder.area_upper**2 / upper
-
-
-def _oil(rig: Numbers) -> Oil:
-    """The fluid's own modulus follows from the wave speed measured in the steel pipe, (2.8), (2.9)."""
-    oil, pipe = rig["oil"], RIG["pipe_1"]
-    measured = oil["density"] * oil["wave_speed"] ** 2
-    modulus = fluid_modulus(measured, pipe["diameter"].value, pipe["wall"].value, pipe["young"].value)
-    return Oil(oil["density"], kinematic_viscosity(oil["temperature"]), modulus, oil["vapour_pressure"])
-
-
-def _pump(pump: Mapping[str, float]) -> Pump:
-    volume = displacement(pump["width"], pump["module"], pump["teeth"], pump["pressure_angle"])
-    lost = (1.0 - pump["efficiency"]) * volume * pump["efficiency_speed"]
-    return Pump(volume * pump["speed"], lost / pump["efficiency_pressure"])
-
-
-def _relief(valve: Mapping[str, float]) -> Relief:
-    return relief(valve["setting"], valve["setting_flow"], valve["override"], valve["pilot_band"], valve["pilot_flow"])
-
-
-def _valve(valve: Mapping[str, float], oil: Oil, step: float) -> SpoolValve:
-    orifice = Orifice(valve["discharge"], valve["transition"])
-    omega = 2.0 * math.pi * valve["natural_frequency"]
-    return SpoolValve(
-        omega,
-        valve["damping"],
-        valve["rate"],
-        valve["overlap"],
-        area_for(valve["rated_flow"], 0.5 * valve["rated_drop"], orifice, oil),
-        orifice,
-        *step_matrix(omega, valve["damping"], step),
-    )
-
-
-def _cylinder(cylinder: Mapping[str, float]) -> Cylinder:
-    bore, rod = cylinder["bore"], cylinder["rod"]
-    if rod >= bore:
-        raise ValueError(f"cylinder.rod {rod} m must be thinner than cylinder.bore {bore} m")
-    return Cylinder(
-        area_lower=math.pi / 4.0 * (bore**2 - rod**2),
-        area_upper=math.pi / 4.0 * bore**2,
-        dead_lower=cylinder["dead_lower"],
-        dead_upper=cylinder["dead_upper"],
-        stroke=cylinder["stroke"],
-        leakage_resistance=cylinder["leakage_resistance"],
-    )
-
-
-def _line(rig: Numbers, name: str, oil: Oil, fitting: float) -> LumpedLine:
-    pipe = rig[name]
-    modulus = effective_modulus(oil.bulk_modulus, pipe["diameter"], pipe["wall"], pipe["young"])
-    return lumped_line(pipe["length"], pipe["diameter"], modulus, oil.density, oil.viscosity, fitting)

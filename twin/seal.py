@@ -6,7 +6,7 @@ Source: (2.13), (2.14) and the text below. It falls with speed (stick-slip) and 
 import math
 from typing import NamedTuple
 
-from twin.kernel import kernel
+from twin.kernel import inlined
 
 
 class Seal(NamedTuple):
@@ -34,13 +34,13 @@ def least_mass(seal: Seal, time: float) -> float:
     return 0.5 * time * -seal.beta * seal.limit * seal.perimeter * seal.viscosity / seal.plateau
 
 
-@kernel
+@inlined
 def friction_limit(sealing_pressure: float, seal: Seal) -> float:
     """Largest friction [N], at rest and at the lowest speeds."""
     return seal.limit * sealing_pressure * seal.width * seal.perimeter
 
 
-@kernel
+@inlined
 def friction(speed: float, sealing_pressure: float, seal: Seal) -> tuple[float, float]:
     """Friction [N], positive, at a speed != 0 [m/s], and its slope by speed in the direction of motion [N s/m]."""
     most = friction_limit(sealing_pressure, seal)
@@ -52,7 +52,7 @@ def friction(speed: float, sealing_pressure: float, seal: Seal) -> tuple[float, 
     return force, seal.beta * force / abs(speed)
 
 
-@kernel
+@inlined
 def slide(speed: float, drive: float, mass: float, sealing_pressure: float, seal: Seal, time: float) -> float:
     """Speed [m/s] after a time [s] under a constant drive [N] and the friction.
 

@@ -6,7 +6,8 @@ Positive spool positions connect P with A and B with T (the piston lifts), negat
 import math
 from typing import NamedTuple
 
-from twin.kernel import kernel
+from twin.kernel import inlined
+from twin.lands import Lands
 from twin.orifice import Orifice
 
 
@@ -39,7 +40,7 @@ def _system(natural_frequency: float, damping: float):
     return np.array([[0.0, 1.0], [-(natural_frequency**2), -2.0 * damping * natural_frequency]])
 
 
-@kernel
+@inlined
 def move_spool(position: float, speed: float, reference: float, valve: SpoolValve, step: float) -> tuple[float, float]:
     """Spool position and speed a step later. The rate limit caps the travel of the step, the stops end it at rest."""
     away = position - reference
@@ -54,7 +55,14 @@ def move_spool(position: float, speed: float, reference: float, valve: SpoolValv
     return moved, speed_then
 
 
-@kernel
+@inlined
+def closed_centre_lands(spool: float, valve: SpoolValve) -> Lands:
+    """Areas [m^2] at a spool position."""
+    up, down = opening(spool, valve), opening(-spool, valve)
+    return Lands(up, up, down, down, 0.0)
+
+
+@inlined
 def opening(spool: float, valve: SpoolValve) -> float:
     """Area [m^2] of the lands that open towards positive spool positions; use -spool for the other pair."""
     return valve.area * max(0.0, spool - valve.overlap) / (1.0 - valve.overlap)

@@ -1,4 +1,4 @@
-"""Verbs that look: digest, messages, figure, figures, view, doctor."""
+"""Verbs that look: describe, convergence, digest, messages, figure, figures, view, doctor."""
 
 from itertools import groupby
 from pathlib import Path
@@ -6,9 +6,48 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, print_json
+from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, print_json
 
 FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
+
+
+def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
+    """Print a scenario's circuit: parts, values with their sources, frequencies, travel times, limits of the step."""
+    from bridge.cli.report import print_table
+    from bridge.describe import PICTURE, facts, step_rows, values_of, warnings
+    from bridge.scenario import load
+
+    loaded = load(scenario, changes)
+    values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
+    if as_json:
+        keys = ("part", "what", "time", "longest step")
+        limits = [dict(zip(keys, row, strict=True)) for row in steps]
+        print_json({"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits})
+        return
+    print(PICTURE)
+    print_table(("value", "", "", "source"), [(v.name, v.value, "*" if v.changed else "", v.source) for v in values])
+    print()
+    print_table(("what follows", ""), found)
+    print()
+    print_table(("part", "what is fast in it", "its time", "longest step that follows"), steps)
+    for line in warnings(loaded):
+        print(f"warning: {line}")
+
+
+def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
+    """Run a scenario at its step, a half and a quarter of it: error and order of each signal."""
+    from bridge.cli.report import print_table
+    from bridge.convergence import convergence as compare
+    from bridge.scenario import load
+
+    loaded = load(scenario, changes)
+    rows = compare(loaded)
+    if as_json:
+        print_json([row._asdict() for row in rows])
+        return
+    step = loaded.loop.step * 1e6
+    print(f"{loaded.name} at {step:g}, {step / 2:g} and {step / 4:g} us; errors against the finest")
+    print_table(("signal", "rms", "greatest", "order"), [row.words() for row in rows])
 
 
 def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap.")], as_json: AS_JSON = False) -> None:

@@ -8,6 +8,8 @@ PANELS = {
     LOOK: (
         running.scenarios,
         running.schema,
+        inspect.describe,
+        inspect.convergence,
         inspect.view,
         inspect.digest,
         inspect.messages,

@@ -32,15 +32,36 @@ def load(which: str, changes: list[str] | None = None) -> Scenario:
 
     Raises ScenarioError with one line per mistake.
     """
+    data = _read(which, ())
+    data["name"] = data.get("name", Path(which).stem)
+    for change in changes or []:
+        _apply(data, change)
+    return check(data, which)
+
+
+def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
+    """The plain data of a scenario, on top of those of the one it extends."""
+    if which in extended_by:
+        raise ScenarioError(f"{which}: extends itself, by way of {', '.join(extended_by)}")
     text, folder = _source(which)
     try:
         data = json.loads(text) if which.endswith(".json") else tomllib.loads(text)
     except ValueError as error:
         raise ScenarioError(f"{which}: cannot be read: {error}") from None
-    data.setdefault("name", Path(which).stem)
-    for change in changes or []:
-        _apply(data, change)
-    return check(_with_tables(data, folder), which)
+    data = _with_tables(data, folder)
+    base = data.pop("extends", None)
+    if base is None:
+        return data
+    beside = folder / str(base)
+    found = _read(str(beside) if beside.is_file() else str(base), (*extended_by, which))
+    found.pop("name", None)
+    return _merged(found, data)
+
+
+def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Sections are merged, all else is replaced."""
+    both = {key: _merged(base[key], own[key]) for key in own if isinstance(base.get(key), dict) and isinstance(own[key], dict)}
+    return base | own | both
 
 
 def check(data: dict[str, Any], which: str) -> Scenario:

@@ -20,7 +20,8 @@ from bridge.scenario.fields import (
 from bridge.scenario.references import Reference
 from controller.law import LAWS
 from controller.sampling import NS, Sampling, sampling
-from twin.rig import RIG, Number, build, numbers
+from twin.build import build
+from twin.rig import RIG, Choice, Entry, values
 
 
 class Start(Part):
@@ -93,12 +94,14 @@ class RealTime(Part):
     grace: Seconds = Field(default=0.5, ge=0.0, description="of wall time at the start, where nothing counts")
 
 
-def _rig_part(name: str, entries: dict[str, Number]) -> Any:
-    def entry(number: Number) -> tuple[Any, Any]:
-        unit: Any = Annotated[float, Measured(number.unit)]
-        return unit, Field(default=number.value, description=number.source, ge=number.low, le=number.high)
+def _rig_part(name: str, entries: dict[str, Entry]) -> Any:
+    def field(entry: Entry) -> tuple[Any, Any]:
+        if isinstance(entry, Choice):
+            return Literal[entry.options], Field(default=entry.value, description=entry.source)
+        unit: Any = Annotated[float, Measured(entry.unit)]
+        return unit, Field(default=entry.value, description=entry.source, ge=entry.low, le=entry.high)
 
-    fields: Any = {key: entry(number) for key, number in entries.items()}
+    fields: Any = {key: field(entry) for key, entry in entries.items()}
     return create_model(f"Rig_{name}", __base__=Part, **fields)
 
 
@@ -147,7 +150,7 @@ class Scenario(Part):
         ticks = self.duration * NS / grid.daq
         if abs(ticks - round(ticks)) > 1e-6 or ticks < 1:
             raise ValueError(f"duration {self.duration} s is no whole number of DAQ periods of {grid.daq / NS} s")
-        build(self.numbers(), self.loop.step)
+        build(self.rig_values(), self.loop.step)
         if not 0.0 <= self.start.position <= self.rig.cylinder.stroke:
             raise ValueError(
                 f"start.position {self.start.position} m lies outside the stroke, 0 to {self.rig.cylinder.stroke} m"
@@ -165,9 +168,9 @@ class Scenario(Part):
         self.reference.reference()
         return self
 
-    def numbers(self) -> dict[str, dict[str, float]]:
-        """The rig's numbers with this scenario's own in place."""
-        return numbers(self.rig.model_dump())
+    def rig_values(self) -> dict[str, dict[str, Any]]:
+        """The rig's numbers and words with this scenario's own in place."""
+        return values(self.rig.model_dump())
 
     @property
     def ticks(self) -> int:

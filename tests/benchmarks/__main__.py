@@ -7,10 +7,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tests.benchmarks import loop, plant, recorder, start, timing
+from tests.benchmarks import lines, loop, plant, recorder, start, timing
 
 SECTIONS = {
     "plant": plant.rows,
+    "lines": lines.rows,
     "loop": loop.rows,
     "timing": timing.rows,
     "recorder": recorder.rows,

@@ -1,77 +1,76 @@
 """Lumped line: half of the oil at each end, its inertia and steady friction between them.
 
+    p_k = p_(k-1) + h/(C/2) ((q_(k-1) + q_k)/2 -+ Q_(k-1/2)),       C = V/B, I = rho l/A
+    I (Q_(k+1/2) - Q_(k-1/2))/h = p_1,k - p_2,k - R (Q_(k+1/2) + Q_(k-1/2))/2,     R at Q_(k-1/2)
+
+Flows q into the line, Q from end 1 to end 2 at half instants: explicit, nothing iterates. As c and Z at an end, with
+Z = h/C: `c <- c + 2 Z q -+ 2 Z Q`. No oil is lost: every Q is taken from one end and given to the other.
+
+Passive while h < sqrt(I C) = l/a. Ends alike (q_1 = q_2) see the trapezoidal rule of a capacity, which is lossless.
+Ends opposite see, at z = exp(i th), the reactance X = -(Z/2) sin th/(sin^2(th/2) - k), k = (h a/l)^2: it grows with th
+everywhere, as Foster asks of a lossless element, if and only if 0 < k < 1. R >= 0 only takes.
+
 The first mode of a real line is met 10 % low when one end is open (quarter wave), 36 % low when both are shut; a
-chamber at an end brings it closer. Waves are not met. Friction is laminar (Hagen-Poiseuille) up to Re 2300
-and turns into Blasius' law by Re 4000 (assumed: linear in between). What sits in the line (a filter) adds to its
-resistance.
+chamber at an end brings it closer. Waves are not met.
+
+Memory of a line: c_1, c_2, Q, p_1, p_2.
 """
 
-import math
-from typing import NamedTuple
+import numpy as np
+from numpy.typing import NDArray
 
 from twin.kernel import kernel
+from twin.lines.friction import turbulence
+from twin.lines.spec import LineNumbers
 
-LAMINAR_LIMIT = 2300.0  # Re, Hagen-Poiseuille below
-TURBULENT_LIMIT = 4000.0  # Re, Blasius above
-
-
-class LumpedLine(NamedTuple):
-    """One pipe or hose."""
-
-    end_volume: float  # half of the line's oil [m^3], at each end
-    end_capacity: float  # the same over the effective bulk modulus [m^3/Pa]
-    inertance: float  # rho L/A [Pa s^2/m^3]
-    resistance: float  # laminar, 128 mu L/(pi d^4) [Pa s/m^3]
-    reynolds_per_flow: float  # 4/(pi d nu) [s/m^3]
-    fitting: float  # linear resistance of what sits in the line [Pa s/m^3]
+SIZE = 8  # of the memory of a line
+NUMBERS = 5
+Z, PER_INERTANCE, RESISTANCE, PER_FLOW, FITTING = range(NUMBERS)
 
 
-def lumped_line(
-    length: float, diameter: float, modulus: float, density: float, viscosity: float, fitting: float
-) -> LumpedLine:
-    """A line from its length, inner diameter [m], effective bulk modulus [Pa], oil and fittings [Pa s/m^3]."""
-    area = math.pi / 4.0 * diameter**2
-    half = 0.5 * area * length
-    return LumpedLine(
-        end_volume=half,
-        end_capacity=half / modulus,
-        inertance=density * length / area,
-        resistance=128.0 * density * viscosity * length / (math.pi * diameter**4),
-        reynolds_per_flow=4.0 / (math.pi * diameter * viscosity),
-        fitting=fitting,
+def coefficients(line: LineNumbers, step: float) -> NDArray[np.float64]:
+    """Of a line; ValueError if the step is too coarse."""
+    if step >= line.travel_time:
+        raise ValueError(f"step {step:g} s, limit {line.travel_time:.3g} s (its travel time) for model lumped")
+    return np.array(
+        [step / line.capacity, step / line.inertance, line.resistance, line.turbulent_per_flow, line.fitting]
     )
 
 
 @kernel
-def turbulence(reynolds: float) -> float:
-    """Friction over laminar friction: 1 up to Re 2300, Blasius 0.3164 Re^0.75/64 from Re 4000."""
-    if reynolds <= LAMINAR_LIMIT:
-        return 1.0
-    blasius = 0.3164 * max(reynolds, TURBULENT_LIMIT) ** 0.75 / 64.0
-    share = min(1.0, (reynolds - LAMINAR_LIMIT) / (TURBULENT_LIMIT - LAMINAR_LIMIT))
-    return 1.0 + share * (blasius - 1.0)
+def oncoming(lines, place, numbers, memory, c, z) -> None:
+    """Fill c and Z of the ends of these lines. Reads only."""
+    for k in range(len(lines)):
+        i, at = lines[k], place[k]
+        c[2 * i], c[2 * i + 1] = memory[at], memory[at + 1]
+        z[2 * i], z[2 * i + 1] = numbers[k, Z] + numbers[k, FITTING], numbers[k, Z]
 
 
 @kernel
-def line_resistance(flow: float, line: LumpedLine) -> float:
-    """Pressure drop over flow [Pa s/m^3] at a steady flow [m^3/s]."""
-    return line.resistance * turbulence(abs(flow) * line.reynolds_per_flow) + line.fitting
+def leave(lines, place, numbers, memory, q) -> None:
+    """Take the flows [m^3/s] of the instant and move on to the next."""
+    for k in range(len(lines)):
+        i, at, z, push = lines[k], place[k], numbers[k, Z], numbers[k, PER_INERTANCE]
+        q_1, q_2, flow = q[2 * i], q[2 * i + 1], memory[at + 2]
+        p_1, p_2 = memory[at] + z * q_1, memory[at + 1] + z * q_2
+        half = 0.5 * push * numbers[k, RESISTANCE] * turbulence(abs(flow) * numbers[k, PER_FLOW])
+        flow = ((1.0 - half) * flow + push * (p_1 - p_2)) / (1.0 + half)
+        memory[at], memory[at + 1] = p_1 + z * q_1 - 2.0 * z * flow, p_2 + z * q_2 + 2.0 * z * flow
+        memory[at + 2], memory[at + 3], memory[at + 4] = flow, p_1, p_2
 
 
 @kernel
-def resistance_slope(flow: float, line: LumpedLine) -> float:
-    """Slope of the pressure drop by the flow [Pa s/m^3] at a steady flow [m^3/s]."""
-    reynolds = abs(flow) * line.reynolds_per_flow
-    factor = turbulence(reynolds)
-    if reynolds > TURBULENT_LIMIT:
-        factor *= 1.75
-    elif reynolds > LAMINAR_LIMIT:
-        factor += (factor - 1.0) * reynolds / (reynolds - LAMINAR_LIMIT)
-    return line.resistance * factor + line.fitting
+def settle(lines, place, numbers, memory, p, q) -> None:
+    """Steady flows from end 1 to end 2 since ever, under the pressures p at the ends."""
+    for k in range(len(lines)):
+        i, at, z = lines[k], place[k], numbers[k, Z]
+        p_1, p_2 = p[2 * i] - numbers[k, FITTING] * q[i], p[2 * i + 1]
+        memory[at], memory[at + 1] = p_1 - z * q[i], p_2 + z * q[i]
+        memory[at + 2], memory[at + 3], memory[at + 4] = q[i], p_1, p_2
 
 
 @kernel
-def accelerate(flow: float, drop: float, line: LumpedLine, time: float) -> float:
-    """Flow [m^3/s] after a time [s] under a constant pressure drop [Pa]: trapezoidal rule, linearised friction."""
-    net = drop - line_resistance(flow, line) * flow
-    return flow + time * net / (line.inertance + 0.5 * time * resistance_slope(flow, line))
+def profile(place: int, memory, xi, out) -> None:
+    """Pressure [Pa] at places xi after `leave`: linear between the ends."""
+    for i in range(len(xi)):
+        out[i] = memory[place + 3] + xi[i] * (memory[place + 4] - memory[place + 3])
