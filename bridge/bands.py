@@ -40,9 +40,7 @@ METRICS = {
 }
 assert set(METRICS) == set(Metrics._fields)
 SHOWN = {"Pa": (1e-5, "bar"), "m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "m^3/s": (6e4, "l/min"), "m^3": (1e6, "cm^3"), "N": (1.0, "N")}
-UNIT_OF = {"p": "Pa", "cavity": "m^3", "oil": "m^3", "flow": "m^3/s", "relief": "m", "position": "m", "velocity": "m/s"}
-UNIT_OF |= {"p1": "Pa", "spool": "", "mass": "kg", "friction": "N"}
-SIGNALS = {name: UNIT_OF[name.partition("_")[0]] for name in OBSERVED} | BALANCE_UNITS
+SIGNALS = OBSERVED | BALANCE_UNITS
 MOMENTS = (START, END, "contact", "impact")
 _BAND = re.compile(r"\s*(.+?)\s*(<=|>=)\s*(.+?)\s*")
 _WINDOW = re.compile(rf"({'|'.join(STATISTICS)}) (\S+)(?: from (.+?) to (.+?))?")

@@ -29,6 +29,7 @@ class CheckResult(NamedTuple):
     scenario: Scenario
     verdicts: list[Judgement]
     faults: list[str]
+    notes: list[str]  # what people should know, without being a failure
     recording: Path | None
 
     @property
@@ -43,6 +44,7 @@ class CheckResult(NamedTuple):
             "passed": self.passed,
             "bands": [verdict._asdict() for verdict in self.verdicts],
             "faults": self.faults,
+            "notes": self.notes,
             "recording": str(self.recording) if self.recording else None,
         }
 
@@ -52,7 +54,7 @@ def check_scenario(scenario: Scenario, mode: str, folder: Path) -> CheckResult:
     path = folder / f"{scenario.name}-check.mcap"
     outcome = run_scenario(scenario, RunRequest(mode, 1.0, False, path, 10.0, False, None))
     verdicts = judge_run(outcome, scenario)
-    return CheckResult(scenario, verdicts, outcome.faults, outcome.recording)
+    return CheckResult(scenario, verdicts, outcome.faults, outcome.summary["notes"], outcome.recording)
 
 
 def junit_xml(results: list[CheckResult]) -> str:

@@ -47,7 +47,7 @@ float64 velocity  # [m/s]
 """,
     "PlantState": "# The true state, unseen by the card.\nuint64 run_id\nuint64 sequence\nuint64 tick\nint64 stamp\n"
     + "float64 reference  # spool reference in force, -1 .. 1\n"
-    + "".join(f"float64 {name}\n" for name in OBSERVED),
+    + "".join(f"float64 {name}  # [{unit or 'share'}]\n" for name, unit in OBSERVED.items()),
     "LoopTiming": """\
 # One tick in real time: wall-clock things, never part of the data.
 uint64 run_id

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.clock import Stop
+from bridge.describe import warnings
 from bridge.inprocess import record_in_process
 from bridge.progress import Progress
 from bridge.recording.reader import Recording, read
@@ -36,6 +37,7 @@ class Outcome(NamedTuple):
 def run_scenario(scenario: Scenario, request: RunRequest) -> Outcome:
     """Run, summarise, draw. A failed run has faults, and its recording as far as it goes."""
     recording, faults, notes = _run(scenario, request)
+    notes = [*warnings(scenario), *notes]
     if recording is None:
         return Outcome(scenario, {"scenario": scenario.name, "faults": faults, "notes": notes}, faults, None, None)
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})

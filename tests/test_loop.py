@@ -102,6 +102,7 @@ def test_a_delay_shifts_the_response_by_exactly_itself(folder, undelayed, delay_
 def _open_loop_step(folder: Path, delay: str):
     changes = [
         'controller.law="open-loop"',
+        'rig.pump.ripple="none"',  # teeth do not wait for a delayed command
         'reference={kind="step", start=0.0, end=0.5, at=0.2}',
         'loop.sample_period="20 ms"',
         f'loop.delay="{delay}"',

@@ -44,13 +44,22 @@ class Taps(NamedTuple):
     p3: float  # upper chamber
 
 
-OBSERVED = (
-    *("position", "velocity", "spool", "p_pump", "p1", "p_p", "p_a", "p_lower", "p_upper", "p_b", "p_t", "p_return"),
-    *("cavity_lower", "cavity_upper", "flow_1", "flow_2", "flow_3", "flow_4", "flow_5", "flow_6"),
-    *("flow_pump", "flow_relief", "relief_pilot", "relief_spool", "mass", "friction"),
-    *("cavity_pump", "cavity_tee", "cavity_p", "cavity_a", "cavity_b", "cavity_t", "cavity_return", "cavity_lines"),
-    *("oil_stored", "oil_pumped", "oil_relieved", "oil_returned"),
-)
+OBSERVED = {  # name: SI unit
+    "position": "m",
+    "velocity": "m/s",
+    "spool": "",
+    **dict.fromkeys(("p_pump", "p1", "p_p", "p_a", "p_lower", "p_upper", "p_b", "p_t", "p_return"), "Pa"),
+    **dict.fromkeys(("cavity_lower", "cavity_upper"), "m^3"),
+    **dict.fromkeys((*(f"flow_{line}" for line in range(1, 7)), "flow_pump", "flow_relief"), "m^3/s"),
+    **dict.fromkeys(("relief_pilot", "relief_spool"), "m"),
+    "mass": "kg",
+    "friction": "N",
+    **dict.fromkeys(
+        ("cavity_pump", "cavity_tee", "cavity_p", "cavity_a", "cavity_b", "cavity_t", "cavity_return", "cavity_lines"),
+        "m^3",
+    ),
+    **dict.fromkeys(("oil_stored", "oil_pumped", "oil_relieved", "oil_returned"), "m^3"),
+}
 PRESSURES = (PUMP, TEE_1, P, A, LOWER, UPPER, B, T, BACK_5)
 CAVITIES = (PUMP, TEE_1, P, A, B, T, BACK_5)
 

@@ -76,5 +76,6 @@ def print_checks(results: list[CheckResult]) -> None:
         for verdict in result.verdicts:
             mark = "[green]passed[/green]" if verdict.passed else "[red]FAILED[/red]"
             rows.append((result.scenario.name, verdict.text, verdict.found, mark))
+        rows += [(result.scenario.name, note, "", "[yellow]note[/yellow]") for note in result.notes]
         rows += [(result.scenario.name, fault, "", "[red]FAILED[/red]") for fault in result.faults]
     print_table(("scenario", "expected", "found", ""), rows)
