@@ -1,5 +1,6 @@
-"""What a scenario expects, in words: "overshoot <= 5 %", "limit cycle: none", "peak p_lower <= 80 bar", and of a part of
-the run: "mean p1 from impact + 300 ms to impact + 600 ms >= 66 bar".
+"""What a scenario expects, in words: "overshoot <= 5 %", "limit cycle: none", "peak p_lower <= 80 bar".
+
+And of a part of the run: "mean p1 from impact + 300 ms to impact + 600 ms >= 66 bar".
 """
 
 import difflib
@@ -39,7 +40,14 @@ METRICS = {
     "valve_travel": Shown("valve travel", "", 1.0, "travels"),
 }
 assert set(METRICS) == set(Metrics._fields)
-SHOWN = {"Pa": (1e-5, "bar"), "m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "m^3/s": (6e4, "l/min"), "m^3": (1e6, "cm^3"), "N": (1.0, "N")}
+SHOWN = {
+    "Pa": (1e-5, "bar"),
+    "m": (1e3, "mm"),
+    "m/s": (1e3, "mm/s"),
+    "m^3/s": (6e4, "l/min"),
+    "m^3": (1e6, "cm^3"),
+    "N": (1.0, "N"),
+}
 SIGNALS = OBSERVED | BALANCE_UNITS
 MOMENTS = (START, END, "contact", "impact")
 _BAND = re.compile(r"\s*(.+?)\s*(<=|>=)\s*(.+?)\s*")

@@ -1,4 +1,4 @@
-"""A scenario's circuit in words and numbers: parts, values with sources, frequencies, travel times, limits of the step."""
+"""A scenario's circuit in words and numbers: values with sources, frequencies, travel times, limits of the step."""
 
 import math
 from typing import Any, NamedTuple
@@ -10,7 +10,7 @@ from twin.circuit import Circuit
 from twin.equilibrium import supply_at_rest
 from twin.limits import limits, natural_frequency, too_coarse
 from twin.poppet import cracking_pressure
-from twin.rig import RIG, Choice
+from twin.rig import RIG, Choice, Entry
 
 PICTURE = """\
                       p1
@@ -51,15 +51,18 @@ class Fact(NamedTuple):
 
 def values_of(scenario: Scenario) -> list[Value]:
     """Every value, in the order of the rig; whatever the scenario changed has that as its source."""
-    found = []
-    for part, entries in scenario.rig_values().items():
-        for name, value in entries.items():
-            entry = RIG[part][name]
-            changed = value != entry.value
-            text = value if isinstance(entry, Choice) else _with_unit(value, entry.unit, name)
-            source = f"this scenario; otherwise {entry.value:g}" if changed and not isinstance(value, str) else entry.source
-            found.append(Value(f"{part}.{name}", text, "this scenario" if changed and isinstance(value, str) else source, changed))
-    return found
+    return [
+        _value(f"{part}.{name}", value, RIG[part][name])
+        for part, entries in scenario.rig_values().items()
+        for name, value in entries.items()
+    ]
+
+
+def _value(name: str, value: Any, entry: Entry) -> Value:
+    own = value == entry.value
+    source = entry.source if own else f"this scenario; otherwise {entry.value}"
+    text = value if isinstance(entry, Choice) else _with_unit(value, entry.unit, name.partition(".")[2])
+    return Value(name, text, source, not own)
 
 
 def _with_unit(value: float, unit: str, name: str) -> str:
@@ -72,30 +75,38 @@ def _with_unit(value: float, unit: str, name: str) -> str:
 def facts(scenario: Scenario) -> list[Fact]:
     """What the circuit's own equations say of it: each from the place where the step takes it."""
     circuit = build(scenario.rig_values(), scenario.loop.step)
-    parts, lines = circuit.parts, circuit.lines
-    supply = supply_at_rest(circuit)
-    found = [
-        Fact("oil: kinematic viscosity, bulk modulus", f"{parts.oil.viscosity * 1e6:.4g} mm^2/s, {parts.oil.bulk_modulus:.4g} Pa"),
-        Fact("pump: mean flow at no pressure", f"{parts.pump.delivery * 6e4:.4g} l/min"),
-        Fact("supply with the valve at rest", f"p1 = {supply.tee / 1e5:.4g} bar, {supply.relieved * 6e4:.4g} l/min over the relief valve"),
-    ]
-    if parts.pump.ripple > 0.0:
-        found.append(Fact("pump: frequency of the teeth", f"{parts.pump.tooth_frequency:.4g} Hz"))
-    if parts.fitted.relief:
+    oil = circuit.parts.oil
+    found = [Fact("oil: viscosity, bulk modulus", f"{oil.viscosity * 1e6:.4g} mm^2/s, {oil.bulk_modulus:.4g} Pa")]
+    found += _supply_facts(circuit)
+    if circuit.parts.fitted.relief:
         found += _relief_facts(circuit)
-    stroke = parts.cylinder.stroke
-    for place in (0.0, 0.5, 1.0):
-        hertz = natural_frequency(circuit, place * stroke) / (2.0 * math.pi)
-        found.append(Fact(f"load on its oil at {place * stroke * 1e3:.0f} mm, valve shut", f"{hertz:.4g} Hz"))
-    for line in range(len(lines.travel_time)):
-        travel, impedance = float(lines.travel_time[line]), float(lines.z0[line])
-        speed = scenario.rig_values()[f"pipe_{line + 1}"]["length"] / travel
-        found.append(
-            Fact(
-                f"pipe_{line + 1}: wave speed, travel time, impedance",
-                f"{speed:.0f} m/s, {travel * 1e3:.3g} ms, {impedance / 1e5 / 6e4:.3g} bar/(l/min)",
-            )
-        )
+    return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario)]
+
+
+def _supply_facts(circuit: Circuit) -> list[Fact]:
+    pump, supply = circuit.parts.pump, supply_at_rest(circuit)
+    teeth = [Fact("pump: frequency of the teeth", f"{pump.tooth_frequency:.4g} Hz")] if pump.ripple > 0.0 else []
+    at_rest = f"p1 = {supply.tee / 1e5:.4g} bar, {supply.relieved * 6e4:.4g} l/min over the relief valve"
+    return [
+        Fact("pump: mean flow at no pressure", f"{pump.delivery * 6e4:.4g} l/min"),
+        *teeth,
+        Fact("supply with the valve at rest", at_rest),
+    ]
+
+
+def _load_facts(circuit: Circuit) -> list[Fact]:
+    stroke = circuit.parts.cylinder.stroke
+    hertz = [natural_frequency(circuit, place * stroke) / (2.0 * math.pi) for place in (0.0, 0.5, 1.0)]
+    places = f"load on its oil, valve shut, at 0, {stroke * 500:.0f}, {stroke * 1e3:.0f} mm"
+    return [Fact(places, ", ".join(f"{f:.4g}" for f in hertz) + " Hz")]
+
+
+def _line_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
+    found = []
+    for line, (travel, z0) in enumerate(zip(circuit.lines.travel_time, circuit.lines.z0, strict=True), start=1):
+        speed = scenario.rig_values()[f"pipe_{line}"]["length"] / travel
+        text = f"{speed:.0f} m/s, {travel * 1e3:.3g} ms, {z0 / 6e9:.3g} bar/(l/min)"
+        found.append(Fact(f"pipe_{line}: wave speed, travel time, characteristic impedance", text))
     return found
 
 
@@ -115,10 +126,8 @@ def step_rows(scenario: Scenario) -> list[tuple[str, str, str, str]]:
     """Part, what, its time, the longest step that follows it; marked where the scenario's step is longer."""
     circuit = build(scenario.rig_values(), scenario.loop.step)
     coarse = too_coarse(circuit)
-    return [
-        (limit.part, limit.what, f"{limit.time * 1e3:.3g} ms", f"{limit.step * 1e6:.4g} us" + (" TOO COARSE" if limit in coarse else ""))
-        for limit in limits(circuit)
-    ]
+    marks = [(limit, " TOO COARSE" if limit in coarse else "") for limit in limits(circuit)]
+    return [(e.part, e.what, f"{e.time * 1e3:.3g} ms", f"{e.step * 1e6:.4g} us{mark}") for e, mark in marks]
 
 
 def warnings(scenario: Scenario) -> list[str]:

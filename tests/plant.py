@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -17,12 +18,12 @@ TIGHT = {"leakage_resistance": math.inf}
 SMOOTH = {"ripple": "none"}
 
 
-def pipes(**entries: str | float) -> dict[str, dict[str, str | float]]:
+def pipes(**entries: str | float) -> dict[str, Any]:
     """The same entries for all six pipes, e.g. pipes(model="lumped")."""
     return {f"pipe_{number}": dict(entries) for number in range(1, 7)}
 
 
-def circuit(step: float = 50e-6, **parts: dict) -> Circuit:
+def circuit(step: float = 50e-6, **parts: Any) -> Circuit:
     """The rig with some of its values replaced, e.g. load={"mass": 302.0}."""
     return build(values(parts), step)
 

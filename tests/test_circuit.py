@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import root_scalar
 
-from tests.plant import BAR, FRICTIONLESS, SMOOTH, TIGHT, circuit, pipes, run, states
+from tests.plant import BAR, FRICTIONLESS, SMOOTH, TIGHT, circuit, run, states
 from twin.circuit import Circuit, Piston, Spool
 from twin.cylinder import chamber_cavities, chamber_volumes
 from twin.equilibrium import equilibrium, state_at

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.plant import BAR, SMOOTH, TIGHT, circuit, run
+from tests.plant import BAR, SMOOTH, TIGHT, circuit, pipes, run
 from twin.equilibrium import equilibrium, supply_at_rest
 from twin.linear import to_vector
 from twin.pump import pumped_oil
@@ -77,8 +77,7 @@ def test_a_pump_that_runs_up_starts_from_nothing():
 @pytest.mark.parametrize("model", ["ends", "nodes", "lumped"])
 def test_a_tight_circuit_at_rest_stays_where_it_is(model: str):
     """A second of steps with a smooth pump and every model of a line: pressures to 1 Pa, the piston to the bit."""
-    own = {f"pipe_{number}": {"model": model} for number in range(1, 7)}
-    c = circuit(pump=SMOOTH, cylinder=TIGHT, **own)
+    c = circuit(pump=SMOOTH, cylinder=TIGHT, **pipes(model=model))
     start = equilibrium(c, 0.1)
     end = run(start, 0.0, c, 1.0)
     assert pressures(end) == pytest.approx(pressures(start), abs=1.0)

@@ -1,6 +1,7 @@
 """Gear pump: the figures of section 2.6 of the source, and the ripple of its teeth."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -54,7 +55,7 @@ def test_whatever_the_step_a_revolution_delivers_the_displacement(step: float, s
     """Windows that follow each other add up to the volume between their ends: over whole teeth nothing is left."""
     period = 9.0 / PUMP.tooth_frequency
     edges = np.arange(start, start + period, step)
-    windows = [(then, then - before) for before, then in zip(edges[:-1], edges[1:], strict=True)]
+    windows = [(then, then - before) for before, then in pairwise(edges)]
     windows.append((start + period, start + period - edges[-1]))
     surplus = sum(ripple_flow(time, window, PUMP) * window for time, window in windows if window > 0.0)
     assert abs(surplus) < 1e-9 * displacement(*GEAR)

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from tests.plant import BAR, FRICTIONLESS, circuit
 from twin.seal import friction, friction_limit, slide
 
-SEAL = circuit().seal
+SEAL = circuit().parts.seal
 STEP = 25e-6
 SPEED = st.floats(-1.0, 1.0)
 
@@ -58,7 +58,7 @@ def test_friction_alone_dissipates_and_never_turns_the_motion_round(speed: float
 
 @given(SPEED, st.floats(-5e3, 5e3))
 def test_without_friction_it_is_newtons_law(speed: float, drive: float):
-    off = circuit(seal=FRICTIONLESS).seal
+    off = circuit(seal=FRICTIONLESS).parts.seal
     assert slide(speed, drive, 120.0, 25 * BAR, off, STEP) == speed + STEP * drive / 120.0
 
 

@@ -11,7 +11,7 @@ from tests.plant import circuit
 from twin.spool_valve import move_spool, opening
 
 H = 50e-6
-VALVE = circuit(H).valve
+VALVE = circuit(H).parts.valve
 UNIT = st.floats(-1.0, 1.0)
 
 

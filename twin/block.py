@@ -10,20 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit import (
-    A,
-    B,
     BACK_5,
     LINES,
     LOWER,
     PUMP,
+    TEE_1,
+    UPPER,
+    A,
+    B,
     Circuit,
     Core,
     Ends,
     P,
     Parts,
     T,
-    TEE_1,
-    UPPER,
     seal_force,
     step_once,
 )
@@ -31,7 +31,7 @@ from twin.cylinder import chamber_cavities
 from twin.kernel import inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
 from twin.load import carried_mass
-from twin.state import State, MEMORY_AT, ends_of, flatten, load, store, unflatten
+from twin.state import MEMORY_AT, State, ends_of, flatten, load, store, unflatten
 
 
 class Taps(NamedTuple):

@@ -16,7 +16,7 @@ from twin.orifice import Orifice, area_for
 from twin.pump import Pump, displacement, ripple_volume
 from twin.relief import Relief, relief
 from twin.relief_steady import precompression_for
-from twin.rig import RIG, Number, Values
+from twin.rig import Values, values
 from twin.seal import Seal, seal
 from twin.spool_valve import SpoolValve, step_matrix
 from twin.switching_valve import SwitchingValve
@@ -51,8 +51,8 @@ def build(rig: Values, step: float) -> Circuit:
 
 def _oil(rig: Values) -> Oil:
     """The fluid's own modulus follows from the wave speed measured in the steel pipe, (2.8), (2.9)."""
-    oil, measured = rig["oil"], RIG["pipe_1"]
-    bore, wall, young = (entry.value for name, entry in measured.items() if name in ("diameter", "wall", "young"))
+    oil, measured = rig["oil"], values()["pipe_1"]
+    bore, wall, young = (measured[name] for name in ("diameter", "wall", "young"))
     modulus = fluid_modulus(oil["density"] * oil["wave_speed"] ** 2, bore, wall, young)
     if not 0.0 < modulus < math.inf:
         raise ValueError(

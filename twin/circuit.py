@@ -218,7 +218,7 @@ def kick(piston: Piston, weight: Weight, p: Chambers, parts: Parts, time: float)
 
 @inlined
 def seal_force(s: Core, ends: Ends, parts: Parts) -> float:
-    """Force of the seals on the piston [N], upwards positive: against the motion; at rest what holds, up to its limit."""
+    """Force of the seals on the piston [N], upwards: against the motion; at rest what holds, up to its limit."""
     p = Chambers(ends.pressure[LOWER], ends.pressure[UPPER])
     sealing, v = abs(p.lower - p.upper), s.piston.velocity
     if v != 0.0:
@@ -242,9 +242,7 @@ def cylinder_side(stored: Chambers, piston: Piston, ends: Ends, parts: Parts) ->
     inflow = Chambers(-ends.flow[LOWER], -ends.flow[UPPER])
     lower = Port(ends.free[LOWER], ends.impedance[LOWER])
     upper = Port(ends.free[UPPER], ends.impedance[UPPER])
-    stored, p = fill_chambers(
-        stored, before, inflow, lower, upper, piston.position, parts.cylinder, parts.step
-    )
+    stored, p = fill_chambers(stored, before, inflow, lower, upper, piston.position, parts.cylinder, parts.step)
     press(LOWER, p.lower, ends)
     press(UPPER, p.upper, ends)
     return stored

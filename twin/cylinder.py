@@ -56,9 +56,7 @@ def chamber_cavities(stored: Chambers, position: float, cylinder: Cylinder) -> C
     """Vapour [m^3] in each chamber."""
     volume = chamber_volumes(position, cylinder)
     thinnest = 1.0 + cylinder.vapour_pressure / cylinder.bulk_modulus
-    return Chambers(
-        max(0.0, volume.lower * thinnest - stored.lower), max(0.0, volume.upper * thinnest - stored.upper)
-    )
+    return Chambers(max(0.0, volume.lower * thinnest - stored.lower), max(0.0, volume.upper * thinnest - stored.upper))
 
 
 def stored_oil(pressures: Chambers, position: float, cylinder: Cylinder) -> Chambers:

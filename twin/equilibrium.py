@@ -1,9 +1,9 @@
-"""Where a run starts: valve at rest, load held by the lower chamber, pump running over relief valve or tandem centre."""
+"""Where a run starts: valve at rest, load held by the lower chamber, pump over relief valve or tandem centre."""
 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from twin.circuit import TEE_1, TEE_2, Circuit, Core, Ends, Ledger, Piston, Spool, land_areas
 from twin.cylinder import Chambers, stored_oil
@@ -50,7 +50,7 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
                 "the pump has nowhere to go: no relief valve, a shut valve and no leakage; "
                 "take relief.kind = 'two-stage', a tandem centre or pump.efficiency below 1"
             )
-    return at(brentq(lambda tee: at(tee)[1], 0.0, high, xtol=1e-6, rtol=1e-14))[0]
+    return at(root_scalar(lambda tee: at(tee)[1], bracket=(0.0, high), xtol=1e-6, rtol=1e-14).root)[0]
 
 
 def idle_flow(tee: float, circuit: Circuit) -> float:
@@ -65,7 +65,7 @@ def idle_flow(tee: float, circuit: Circuit) -> float:
     high = 1e-6
     while excess(high) > 0.0:
         high *= 2.0
-    return brentq(excess, 0.0, high, xtol=1e-18, rtol=1e-14)
+    return root_scalar(excess, bracket=(0.0, high), xtol=1e-18, rtol=1e-14).root
 
 
 def _idle_drops(flow: float, area: float, circuit: Circuit) -> tuple[float, float, float, float]:

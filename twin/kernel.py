@@ -42,7 +42,7 @@ def kernel(function: F) -> F:
     Without numba's runtime for memory (`_nrt`) no array is counted on its way through the calls, which took half of
     the time of a step; and a kernel that allocates does not compile.
     """
-    return numba.njit(nogil=True, cache=True, error_model="numpy", _nrt=False)(function)  # pyright: ignore[reportReturnType]
+    return _compiled(function, _nrt=False)
 
 
 def inlined(function: F) -> F:
@@ -51,9 +51,14 @@ def inlined(function: F) -> F:
     numba hands a tuple over number by number, so a call costs as much as the equations of a small component: a function
     in the innermost loop that has few callers is better copied into them.
     """
-    return numba.njit(nogil=True, cache=True, error_model="numpy", _nrt=False, forceinline=True)(function)  # pyright: ignore[reportCallIssue, reportReturnType]
+    return _compiled(function, _nrt=False, forceinline=True)
 
 
 def allocating_kernel(function: F) -> F:
     """Compile a function of the set-up that needs arrays of its own."""
-    return numba.njit(nogil=True, cache=True, error_model="numpy")(function)  # pyright: ignore[reportReturnType]
+    return _compiled(function)
+
+
+def _compiled(function: F, **options: Any) -> F:
+    options |= {"nogil": True, "cache": True, "error_model": "numpy"}
+    return numba.njit(**options)(function)  # pyright: ignore[reportReturnType]

@@ -36,11 +36,15 @@ def limits(circuit: Circuit) -> list[Limit]:
     if parts.pump.ripple > 0.0:
         tooth = 1.0 / parts.pump.tooth_frequency
         found.append(Limit("pump", "period of a tooth", tooth, tooth / STEPS_PER_TOOTH))
-    if parts.fitted.switching == 0.0:
-        found.append(Limit("valve", "spool", 1.0 / parts.valve.natural_frequency, FOLLOWED / parts.valve.natural_frequency))
-    else:
-        found.append(Limit("switching_valve", "switching time", 1.0 / parts.switching.speed, 0.5 / parts.switching.speed))
-    return found
+    return [*found, _valve(circuit)]
+
+
+def _valve(circuit: Circuit) -> Limit:
+    if circuit.parts.fitted.switching == 1.0:
+        time = 1.0 / circuit.parts.switching.speed
+        return Limit("switching_valve", "switching time", time, 0.5 * time)
+    time = 1.0 / circuit.parts.valve.natural_frequency
+    return Limit("valve", "spool", time, FOLLOWED * time)
 
 
 def too_coarse(circuit: Circuit) -> list[Limit]:

@@ -70,7 +70,7 @@ def kick_weight(weight: Weight, force: float, load: Load, time: float) -> Weight
 
 @inlined
 def move_weight(weight: Weight, position: float, load: Load, time: float) -> Weight:
-    """The weight after a time [s]: with the piston, now at a position [m], or by its own speed, not below the support."""
+    """The weight after a time [s]: with the piston, now at a position [m], or by itself, not below its support."""
     if load.added == 0.0:
         return weight
     if weight.carried == 1.0:

@@ -1,4 +1,4 @@
-"""The circuit as one ordinary differential equation: lumped lines, the steady curve of the relief valve, mean pump flow.
+"""The circuit as one ordinary differential equation: lumped lines, steady relief valve, mean flow of the pump.
 
 It states once more, without time steps, what `circuit` integrates when its lines are lumped: any integrator of the
 reader's choice can check the scheme against it, and `linear` takes its slopes. Fittings count to their line's own
@@ -20,13 +20,23 @@ from twin.pump import pumped_oil
 from twin.relief_steady import steady_flow
 from twin.state import Flows, Pressures
 
-STATES = (*(f"p_{place}" for place in Pressures._fields), *Flows._fields, "position", "velocity", "spool", "spool_velocity")
+STATES = (
+    *(f"p_{place}" for place in Pressures._fields),
+    *Flows._fields,
+    "position",
+    "velocity",
+    "spool",
+    "spool_velocity",
+)
+Array = NDArray[np.float64]
 PUMP, TEE, P, A, LOWER, UPPER, B, T, BACK = range(9)
 FLOW, X, V, S, S_RATE = 9, 15, 16, 17, 18
 LINE_ENDS = ((PUMP, TEE), (TEE, P), (A, LOWER), (B, UPPER), (T, BACK), (BACK, -1))  # -1: the tank
 
 
-def vector_rates(y: NDArray[np.float64], reference: float, circuit: Circuit, viscous: float = 0.0) -> NDArray[np.float64]:
+def vector_rates(
+    y: NDArray[np.float64], reference: float, circuit: Circuit, viscous: float = 0.0
+) -> NDArray[np.float64]:
     """Rates of STATES [SI per s] under a spool reference; viscous: friction over speed [N s/m]."""
     from twin.block import compiled
 

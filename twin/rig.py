@@ -44,7 +44,9 @@ def _pipe(length: float, hose: bool) -> dict[str, Entry]:
         "diameter": Number(11e-3, "m", "2.2.1, inner", TINY),
         "wall": Number(5e-3 if hose else 2e-3, "m", "assumed" if hose else "2.2.1, outer 15 mm", TINY),
         "young": RUBBER if hose else STEEL,
-        "model": Choice("ends", MODELS, "ends: waves, end to end; nodes: pressure and cavities inside; lumped: no waves"),
+        "model": Choice(
+            "ends", MODELS, "ends: waves, end to end; nodes: pressure and cavities inside; lumped: no waves"
+        ),
         "friction": Choice("unsteady", FRICTIONS, "2.5.2; in turbulent flow quasi-steady"),
     }
 
@@ -56,7 +58,7 @@ RIG: dict[str, dict[str, Entry]] = {
         "wave_speed": Number(
             1137.0,
             "m/s",
-            "2.2.3, measured in the steel pipe: 1.135e9 Pa; 1329 m/s is chapter 4's 1.55e9, 1132 m/s chapter 5's 1.125e9",
+            "2.2.3, measured in steel: 1.135e9 Pa; 1329 m/s makes chapter 4's 1.55e9, 1132 m/s chapter 5's 1.125e9",
             TINY,
         ),
         "cavitation": Choice("vapour", ("vapour", "none"), "vapour: discrete cavities; none: oil bears any tension"),
@@ -92,7 +94,7 @@ RIG: dict[str, dict[str, Entry]] = {
         "pilot_stiffness": Number(811e3, "N/m", "Table 2.4", TINY),
         "pilot_travel": Number(6e-3, "m", "Table 2.4", TINY),
         "pilot_restitution": Number(0.2, "", "assumed; chapter 4 takes 0.8 for this poppet", 0.0, 1.0),
-        "pilot_spring_diameter": Number(13e-3, "m", "Table 2.4, outer; the printed 0.0215 N s/m takes it as the mean", TINY),
+        "pilot_spring_diameter": Number(13e-3, "m", "Table 2.4, outer; printed drag takes it as the mean", TINY),
         "pilot_spring_turns": Number(10.0, "", "Table 2.4", TINY),
         "spool_mass": Number(65.3e-3, "kg", "Table 2.3", TINY),
         "spool_diameter": Number(26e-3, "m", "named choice: 2.4.2 has A = 5.31e-4 m^2; Table 2.3 prints 22 mm", TINY),

@@ -1,6 +1,6 @@
 """The state of a circuit, as its parts and as one flat array of numbers, which is what the kernels run on.
 
-    core | pressure | flow | cavity | free | impedance (12 each) | oil of the lines (6) | memory of the lines
+core | pressure | flow | cavity | free | impedance (12 each) | oil of the lines (6) | memory of the lines
 """
 
 from collections.abc import Iterator
@@ -10,20 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit import (
+    BACK_5,
+    LOWER,
+    PUMP,
+    TEE_1,
+    UPPER,
     A,
     B,
-    BACK_5,
     Core,
     Ends,
     Ledger,
-    LOWER,
     P,
-    PUMP,
     Piston,
     Spool,
     T,
-    TEE_1,
-    UPPER,
 )
 from twin.cylinder import Chambers
 from twin.kernel import inlined
@@ -106,7 +106,7 @@ def flows(state: State) -> Flows:
 
 
 def oil_in(state: State) -> float:
-    """Oil in the circuit beyond what fills its lines [m^3 at reference density]; it changes by pumped - relieved - returned."""
+    """Oil beyond what fills the lines [m^3 at reference density]; it changes by pumped - relieved - returned."""
     return sum(state.core.chambers) + float(state.ends.oil.sum() - state.ends.cavity.sum())
 
 
@@ -168,4 +168,3 @@ def ends_of(a) -> Ends:
         a[e : e + 12], a[e + 12 : e + 24], a[e + 24 : e + 36], a[e + 36 : e + 48], a[e + 48 : e + 60],
         a[LINES_AT:MEMORY_AT],
     )  # fmt: skip
-

@@ -1,8 +1,8 @@
 """Switching valve 4/3 with tandem centre: at rest P runs to T and the cylinder is shut in.
 
-2.2.1, the valve of the source's load-change and impingement tests. Switched, the spool travels at constant speed; on its
-way the land P-T closes as those to the cylinder open, in proportion to the travel (assumed), so that for the switching
-time the pump meets the cylinder while it still runs to the tank.
+2.2.1, the valve of the source's load-change and impingement tests. Switched, the spool travels at constant speed; on
+its way the land P-T closes as those to the cylinder open, in proportion to the travel (assumed), so that for the
+switching time the pump meets the cylinder while it still runs to the tank.
 """
 
 import math

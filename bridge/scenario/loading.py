@@ -60,7 +60,11 @@ def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
 
 def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
     """Sections are merged, all else is replaced."""
-    both = {key: _merged(base[key], own[key]) for key in own if isinstance(base.get(key), dict) and isinstance(own[key], dict)}
+    both = {
+        key: _merged(base[key], own[key])
+        for key in own
+        if isinstance(base.get(key), dict) and isinstance(own[key], dict)
+    }
     return base | own | both
 
 
