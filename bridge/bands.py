@@ -46,7 +46,6 @@ SHOWN = {
     "m/s": (1e3, "mm/s"),
     "m^3/s": (6e4, "l/min"),
     "m^3": (1e6, "cm^3"),
-    "N": (1.0, "N"),
 }
 SIGNALS = OBSERVED | BALANCE_UNITS
 MOMENTS = (START, END, "contact", "impact")

@@ -12,6 +12,7 @@ from bridge.bands import SHOWN, SIGNALS
 from bridge.inprocess import record_in_process
 from bridge.recording.reader import read
 from bridge.scenario import Scenario
+from twin.block import OBSERVED
 
 QUIET = {"noise": 0.0, "quantise": False}  # a card's counts would hide the plant's error
 LEFT_OUT = ("oil", "mass", "friction")  # what counts, or jumps where the piston stops
