@@ -15,6 +15,7 @@ from bridge.scenario import Scenario
 from twin.block import OBSERVED
 
 QUIET = {"noise": 0.0, "quantise": False}  # a card's counts would hide the plant's error
+ROUNDING = 1e-12  # of the greatest value: no order in that
 LEFT_OUT = ("oil", "mass", "friction")  # what counts, or jumps where the piston stops
 COMPARED = [name for name in OBSERVED if not name.startswith(LEFT_OUT)]
 
@@ -50,7 +51,8 @@ def _signals(scenario: Scenario, divisor: int) -> dict[str, NDArray[Any]]:
 
 def _row(name: str, coarse: NDArray[Any], middle: NDArray[Any], fine: NDArray[Any]) -> Row:
     error, first, second = coarse - fine, _rms(coarse - middle), _rms(middle - fine)
-    order = math.log2(first / second) if first > 0.0 and second > 0.0 else math.nan
+    rounding = ROUNDING * float(np.abs(fine).max())
+    order = math.log2(first / second) if min(first, second) > rounding else math.nan
     return Row(name, _rms(error), float(np.abs(error).max()), order)
 
 

@@ -189,6 +189,13 @@ def test_wrong_frictions_are_refused(friction):
         linearise(edge_point(C, 0.1, "+"), "+", friction, circuit=C)
 
 
+def test_a_switching_valve_has_no_slope():
+    with pytest.raises(ValueError, match="no slope between them"):
+        edge_point(circuit(valve={"kind": "switching"}), 0.1, "+")
+    with pytest.raises(ValueError, match="no slope between them"):
+        moving_point(circuit(valve={"kind": "switching"}), 0.1, 1.0)
+
+
 def test_points_that_do_not_exist_are_refused():
     with pytest.raises(ValueError, match="inside the overlap"):
         moving_point(C, 0.1, 0.1)

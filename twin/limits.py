@@ -75,9 +75,11 @@ def refuse_coarse_step(circuit: Circuit) -> None:
             f"load.mass {load.mass} kg is too light for the seal's friction at a step of {step} s: "
             f"at least {least:.3g} kg; take a smaller loop.step or seal.limit = 0"
         )
-    if load.added > 0.0 and load.stiffness * step**2 > _reduced_mass(circuit):
+    least = math.pi * step * math.sqrt(1.0 + load.added / load.mass)
+    if load.added > 0.0 and (given := math.pi * math.sqrt(load.added / load.stiffness)) < least:
         raise ValueError(
-            f"load.contact_time is too short for a step of {step} s; take a smaller loop.step or a longer contact_time"
+            f"load.contact_time {given:.3g} s is too short for a step of {step} s: at least {least:.3g} s; "
+            "take a smaller loop.step or a longer contact_time"
         )
 
 

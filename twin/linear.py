@@ -79,6 +79,7 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
     balance. Raises ValueError for another edge, and for a load under which the oil would not follow.
     """
     _check_edge(edge, ("+", "-"))
+    _refuse_switching(circuit)
     p = _edge_pressures(circuit, edge)
     _refuse_cavity(p, circuit)
     spool = Spool(math.copysign(circuit.parts.valve.overlap, 1.0 if edge == "+" else -1.0), 0.0)
@@ -108,6 +109,7 @@ def moving_point(circuit: Circuit, position: float, spool: float, viscous: float
     """
     from scipy.optimize import root
 
+    _refuse_switching(circuit)
     if abs(spool) <= circuit.parts.valve.overlap:
         raise ValueError(f"spool {spool} lies inside the overlap, +-{circuit.parts.valve.overlap}; take it further out")
     pressure_guess = _edge_pressures(circuit, "+" if spool > 0.0 else "-")
@@ -236,6 +238,14 @@ def _refuse_cavity(p: Pressures, circuit: Circuit) -> None:
                 f"oil would cavitate at {node!r}: the balance asks for less than the vapour pressure, "
                 f"{circuit.parts.oil.vapour_pressure / 1e5:g} bar; take a smaller load or opening, or a stronger supply"
             )
+
+
+def _refuse_switching(circuit: Circuit) -> None:
+    if circuit.parts.fitted.switching:
+        raise ValueError(
+            "a switching valve knows three positions and has no slope between them; "
+            "linearise with valve.kind = 'proportional'"
+        )
 
 
 def _check_edge(edge: str | None, valid: tuple[str | None, ...]) -> None:
