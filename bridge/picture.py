@@ -1,4 +1,6 @@
-"""One picture of a run: position and reference, pressures, valve, and in real time how late the ticks were."""
+"""One picture of a run: position and reference, pressures, valve; relief valve and vapour where they moved; in real
+time also how late the ticks were.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -8,6 +10,7 @@ import numpy as np
 from bridge.recording.columns import reference_at
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
+from bridge.view.curves import happened, vapour
 from controller.sampling import NS
 
 MOST_POINTS = 20_000
@@ -21,47 +24,79 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
     state = recording.columns("state")
     thin = slice(None, None, max(1, len(state["stamp"]) // MOST_POINTS))
     timing = recording.columns("timing")
-    rows = 4 if len(timing["tick"]) else 3
-    figure = Figure(figsize=(10, 2.4 * rows), dpi=120, layout="constrained")
+    shown = happened(state)
+    rows = [_position, _pressures, _valve]
+    rows += [row for row, picture in ((_relief, "relief_l_min"), (_vapour, "vapour_cm3")) if shown[picture]]
+    state = {name: values[thin] for name, values in state.items()}
+    heights = [HEIGHTS.get(row, 2.4) for row in rows] + [2.4] * bool(len(timing["tick"]))
+    figure = Figure(figsize=(10, sum(heights)), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, 1, sharex=rows == 3)
-    time = state["stamp"][thin] / NS
-    _position(axes[0], time, state["position"][thin], reference_at(time, scenario))
-    _pressures(axes[1], time, {name: state[name][thin] for name in ("p1", "p_lower", "p_upper")})
-    _valve(axes[2], time, state["reference"][thin], state["spool"][thin])
-    axes[2].set_xlabel("time [s]")
-    for axis in axes[:3]:
+    axes = figure.subplots(len(heights), 1, height_ratios=heights)
+    time = state["stamp"] / NS
+    for axis, row in zip(axes, rows, strict=False):
+        row(axis, time, state, scenario)
         axis.set_xlim(0.0, time[-1])
         axis.grid(alpha=0.3)
-    if rows == 4:
-        _lateness(axes[3], timing)
+        axis.tick_params(labelbottom=row is rows[-1])
+    axes[len(rows) - 1].set_xlabel("time [s]")
+    figure.align_ylabels(axes)
+    if len(timing["tick"]):
+        _lateness(axes[-1], timing)
     figure.suptitle(scenario.title or scenario.name)
     figure.savefig(path)
     return path
 
 
-def _position(axis: Any, time: Any, position: Any, reference: Any) -> None:
+def _position(axis: Any, time: Any, state: Any, scenario: Scenario) -> None:
+    reference = reference_at(time, scenario)
     if np.isfinite(reference).any():
         axis.plot(time, reference * 1e3, color="0.4", linestyle="--", linewidth=1.2, label="reference")
-    axis.plot(time, position * 1e3, color="C0", label="piston")
+    axis.plot(time, state["position"] * 1e3, color="C0", label="piston")
     axis.set_ylabel("position [mm]")
     axis.legend(loc="best", fontsize="small")
 
 
-def _pressures(axis: Any, time: Any, pressures: dict[str, Any]) -> None:
+def _pressures(axis: Any, time: Any, state: Any, _: Scenario) -> None:
     labels = {"p1": "p1 relief valve", "p_lower": "p2 lower chamber", "p_upper": "p3 upper chamber"}
-    for name, values in pressures.items():
-        axis.plot(time, values / 1e5, linewidth=1.0, label=labels[name])
+    for name, label in labels.items():
+        axis.plot(time, state[name] / 1e5, linewidth=1.0, label=label)
     axis.set_ylabel("pressure [bar]")
     axis.legend(loc="best", fontsize="small", ncols=3)
 
 
-def _valve(axis: Any, time: Any, command: Any, spool: Any) -> None:
-    axis.plot(time, command, color="0.4", linewidth=0.8, drawstyle="steps-post", label="command")
-    axis.plot(time, spool, color="C3", linewidth=1.0, label="spool")
+def _valve(axis: Any, time: Any, state: Any, _: Scenario) -> None:
+    axis.plot(time, state["reference"], color="0.4", linewidth=0.8, drawstyle="steps-post", label="command")
+    axis.plot(time, state["spool"], color="C3", linewidth=1.0, label="spool")
     axis.set_ylabel("valve [of travel]")
     axis.set_ylim(-1.05, 1.05)
     axis.legend(loc="best", fontsize="small", ncols=2)
+
+
+def _relief(axis: Any, time: Any, state: Any, _: Scenario) -> None:
+    """Flow, and on an axis of their own the lifts of both stages."""
+    axis.fill_between(time, state["flow_relief"] * 6e4, color="C0", alpha=0.35, linewidth=0.0, label="flow")
+    axis.set_ylabel("relief [l/min]")
+    axis.set_ylim(bottom=0.0)
+    lifts = axis.twinx()
+    lifts.plot(time, state["relief_spool"] * 1e6, color="C0", linewidth=0.8, label="main stage")
+    lifts.plot(time, state["relief_pilot"] * 1e6, color="C1", linewidth=0.8, alpha=0.7, label="pilot")
+    lifts.set_ylabel("lift [µm]")
+    lifts.set_ylim(bottom=0.0)
+    lifts.legend(
+        *map(list.__add__, axis.get_legend_handles_labels(), lifts.get_legend_handles_labels()),
+        loc="best",
+        fontsize="small",
+        ncols=3,
+    )
+
+
+def _vapour(axis: Any, time: Any, state: Any, _: Scenario) -> None:
+    axis.fill_between(time, vapour(state) * 1e6, color="C4", alpha=0.5, linewidth=0.0)
+    axis.set_ylabel("vapour [cm³]")
+    axis.set_ylim(bottom=0.0)
+
+
+HEIGHTS = {_relief: 1.5, _vapour: 1.2}  # [inch], of what is no plain row
 
 
 def _lateness(axis: Any, timing: Any) -> None:

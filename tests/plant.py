@@ -5,14 +5,18 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from twin.block import OBSERVED, advance, compiled, run_block
 from twin.build import build
 from twin.circuit import Circuit
+from twin.cylinder import chamber_volumes
 from twin.rig import values
-from twin.state import State, flatten, flows, pressures, unflatten
+from twin.state import State, flatten, pressures, unflatten
 
+Array = NDArray[np.float64]
 BAR = 1e5
+FLOW = 2  # of a lumped line, where its memory has it
 FRICTIONLESS = {"limit": 0.0}
 TIGHT = {"leakage_resistance": math.inf}
 SMOOTH = {"ripple": "none"}
@@ -40,17 +44,32 @@ def states(s: State, reference: float, c: Circuit, seconds: float, every: int = 
         yield unflatten(flat)
 
 
+def watched(s: State, reference: float, c: Circuit, seconds: float, every: int = 1) -> tuple[dict[str, Array], State]:
+    """What can be OBSERVED after each `every` steps, a column each, and the state at the end."""
+    flat, view, taps = flatten(s), compiled(c), np.zeros((2, 5))
+    seen = np.zeros((round(seconds / (every * c.parts.step)), len(OBSERVED)))
+    for row in seen:
+        run_block(flat, reference, *view, every, taps, row)
+    return dict(zip(OBSERVED, seen.T, strict=True)), unflatten(flat)
+
+
+def joined(*parts: dict[str, Array]) -> dict[str, Array]:
+    """Columns one after the other."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
 def energy(s: State, c: Circuit) -> float:
     """Kinetic energy of load and lines, oil compression and height [J]; lines lumped, no cavity, no weight to join.
 
-    In a moving chamber the oil's share is right within p/2B. A lumped line's flow is staggered by half a step.
+    In a moving chamber the oil's share is right within p/2B. A line's flow is known half a step before and after: what
+    the scheme keeps is their product.
     """
-    p, q, lines, cylinder = pressures(s), flows(s), c.lines, c.parts.cylinder
-    at = ((p.pump, p.tee), (p.tee, p.p), (p.a, p.lower), (p.b, p.upper), (p.t, p.back), (p.back, 0.0))
-    oil = sum(0.25 * lines.capacity[i] * (a**2 + b**2) for i, (a, b) in enumerate(at))
-    flow = sum(0.5 * lines.inertance[i] * through**2 for i, through in enumerate(q))
-    x, load = s.piston.position, c.parts.load
-    v_lower = cylinder.dead_lower + cylinder.area_lower * x
-    v_upper = cylinder.dead_upper + cylinder.area_upper * (cylinder.stroke - x)
-    chambers = 0.5 * (v_lower * p.lower**2 + v_upper * p.upper**2) / cylinder.bulk_modulus
-    return float(oil + flow + chambers + 0.5 * load.mass * s.piston.velocity**2 + load.mass * load.gravity * x)
+    lines, cylinder = c.lines, c.parts.cylinder
+    p = s.ends.pressure.reshape(6, 2)
+    after = s.memory[lines.lumped_place + FLOW]
+    before = after - c.parts.step / lines.inertance * (p[:, 0] - p[:, 1])
+    oil = float((0.25 * lines.capacity * (p**2).sum(axis=1) + 0.5 * lines.inertance * after * before).sum())
+    x, load, at = s.piston.position, c.parts.load, pressures(s)
+    volume = chamber_volumes(x, cylinder)
+    chambers = 0.5 * (volume.lower * at.lower**2 + volume.upper * at.upper**2) / cylinder.bulk_modulus
+    return oil + chambers + 0.5 * load.mass * s.piston.velocity**2 + load.mass * load.gravity * x

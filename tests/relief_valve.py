@@ -1,4 +1,4 @@
-"""What the tests of the relief valve share: the valve of the PHYSICS sheet, section B, and runs of it alone."""
+"""What the tests of the relief valve share: the rig's valve, and runs of it alone."""
 
 import math
 from collections.abc import Callable
@@ -49,7 +49,7 @@ SHEET = {
 
 
 def valve(**numbers: float) -> Relief:
-    """The sheet's valve with some numbers in place of its own."""
+    """The rig's valve with some numbers in place of its own."""
     return relief(SHEET_OIL, **(SHEET | numbers))
 
 

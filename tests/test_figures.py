@@ -9,7 +9,19 @@ import numpy as np
 import pytest
 
 from bridge.figures import FIGURES, draw_figure
-from bridge.figures.constant_speed import CARD, LOADS, OUT_OF_RANGE, SPREAD, STEADY, Readings, readings
+from bridge.figures.constant_speed import (
+    CARD,
+    LOADS,
+    OUT_OF_RANGE,
+    SAMPLE,
+    SAMPLES,
+    SPREAD,
+    STEADY,
+    STEP,
+    Readings,
+    readings,
+    runs,
+)
 from bridge.figures.friction import rig_seal
 from bridge.figures.oil import REFERENCE, THERMOMETER, Points, constants, fit, measure, viscosity_columns
 from bridge.figures.power_law import PowerLaw, factor, fit_power_law, law_force, limited, on_slope
@@ -98,10 +110,13 @@ def test_the_viscosity_table_holds_the_fitted_curve_of_its_own_constants():
 
 
 def test_friction_at_constant_speed_is_the_law(exact: Readings):
-    """0.5 %: a ripple of the speed of up to 1 % that a window holds in broken periods still accelerates the load."""
+    """Less the inertia of what the speed changes over a window. 0.3 %: a speed that still swings by up to 1 % is seen in
+    broken periods, at 5 ms, and its friction by a falling curve."""
     seal, steady = rig_seal(), exact.steady
+    change = np.array([run.taps[-1, 1, 1] - run.taps[0, 1, 1] for run in runs()])
+    force = exact.force - exact.mass * change / ((SAMPLES - 1) * SAMPLE * STEP)
     law = [friction(v, p, seal)[0] * math.copysign(1.0, v) for v, p in zip(exact.speed, exact.sealing, strict=True)]
-    assert exact.force[steady] == pytest.approx(np.array(law)[steady], rel=5e-3)
+    assert force[steady] == pytest.approx(np.array(law)[steady], rel=3e-3)
     calm = steady & (exact.spread < 1e-6 * np.abs(exact.speed))
     assert calm.sum() >= 20
     assert exact.force[calm] == pytest.approx(law_force(exact.speed, exact.sealing, seal)[calm], rel=1e-6)

@@ -11,9 +11,10 @@ from bridge.messages import ValveCommand, encode
 from bridge.plant_side import PlantSide
 from bridge.scenario import load
 from controller.sampling import NS
-from twin.block import flatten, run_block
+from twin.block import OBSERVED, compiled, observed, run_block
+from twin.build import build
 from twin.equilibrium import equilibrium
-from twin.rig import build
+from twin.state import flatten, unflatten
 
 MS, RUN, OWNER = 1_000_000, 5, 21
 QUIET = ["daq.noise=0", "daq.quantise=false", "daq.skew=0", "loop.delay=0"]
@@ -46,11 +47,22 @@ def test_a_command_acts_at_its_own_instant_inside_a_block():
     assert side.take(command(0, 0, 350_000, 0.8))
     side.tick()
     scenario = side.scenario
-    circuit = build(scenario.numbers(), scenario.loop.step)
-    state, taps = flatten(equilibrium(circuit, scenario.start.position)), np.zeros((2, 5))
-    run_block(state, 0.0, side._circuit, 7, taps)
-    run_block(state, 0.8, side._circuit, 13, taps)
+    circuit = build(scenario.rig_values(), scenario.loop.step)
+    state, taps, seen = flatten(equilibrium(circuit, scenario.start.position)), np.zeros((2, 5)), np.zeros(len(OBSERVED))
+    run_block(state, 0.0, *compiled(circuit), 7, taps, seen)
+    run_block(state, 0.8, *compiled(circuit), 13, taps, seen)
     assert np.array_equal(state, side._state)
+    assert np.array_equal(taps, side._taps)
+
+
+def test_the_true_state_is_what_was_observed_at_the_end_of_the_block():
+    """Every signal of OBSERVED, by its own name, beside the reference in force and the stamp."""
+    side = plant()
+    assert side.take(command(0, 0, 0, 0.8))
+    state = next(m.message for m in side.tick() if m.topic == "state")
+    seen = observed(unflatten(side._state), build(side.scenario.rig_values(), side.scenario.loop.step))
+    assert {name: getattr(state, name) for name in OBSERVED} == seen
+    assert (state.stamp, state.reference) == (MS, 0.8)
 
 
 BAD: dict[str, Callable[[int], bytes]] = {

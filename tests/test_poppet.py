@@ -20,7 +20,7 @@ def test_the_loss_coefficients_are_those_of_table_2_2(lift_mm: float, zeta: floa
     assert 2.0 * (PILOT.area / conductance) ** 2 / RHO == pytest.approx(zeta, abs=0.005)
 
 
-def test_seat_area_and_cracking_pressure_are_the_sheets():
+def test_seat_area_and_cracking_pressure():
     assert PILOT.area == pytest.approx(24.6301e-6, rel=1e-6)
     cracking = [cracking_pressure(valve(pilot_precompression=x).pilot) / BAR for x in (0.2e-3, 1.0e-3)]
     assert cracking == pytest.approx([65.854, 329.272], abs=5e-4)

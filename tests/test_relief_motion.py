@@ -35,7 +35,7 @@ IMPEDANCES = st.one_of(st.just(0.0), st.floats(7.0, 11.0).map(lambda x: 10.0**x)
 
 
 def varied(powers: list[float]) -> Relief:
-    """The sheet's valve with some sizes multiplied by up to 2 or 1/2."""
+    """The rig's valve with some sizes multiplied by up to 2 or 1/2."""
     names = ("pilot_precompression", "nozzle_diameter", "orifice_diameter", "spool_precompression", "pilot_mass")
     base = (0.18e-3, 0.8e-3, 0.6e-3, 5e-3, 10.6e-3)
     return valve(**{n: b * 2.0**e for n, b, e in zip(names, base, powers, strict=True)})
@@ -56,7 +56,7 @@ def network(s: ReliefState, c: float, z: float, v: Relief) -> tuple[float, float
 
 
 def rates(state: np.ndarray, c: float, z: float, v: Relief) -> np.ndarray:
-    """The open valve as an ordinary differential equation: the sheet's two equations of motion."""
+    """The open valve as an ordinary differential equation: the two equations of motion."""
     s = ReliefState(*state)
     _, p, p2 = network(s, c, z, v)
     p3 = p2 + drop(v.main.area * s.spool_velocity, v.orifices.a_3, v.orifices.b_3)

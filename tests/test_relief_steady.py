@@ -1,4 +1,4 @@
-"""Steady relief valve: the sheet's table, an independent scipy solution, and inverses."""
+"""Steady relief valve: the table of the corrected equations, an independent scipy solution, and inverses."""
 
 import math
 
@@ -20,7 +20,7 @@ TABLE = {
 
 
 def by_scipy(pressure: float, precompression: float) -> float:
-    """Q of the sheet's equations, section B, written out again from its numbers alone."""
+    """Q of the steady equations, written out again from its numbers alone."""
     rho, nu, a_in, a_sp = 878.0, 40e-6, math.pi / 4 * 5.6e-3**2, math.pi / 4 * 26e-3**2
     holes = ((0.6e-3, 0.61, 9.33), (0.8e-3, 0.86, 30.0))
     areas = [math.pi / 4 * d**2 for d, _, _ in holes]
@@ -54,7 +54,7 @@ def by_scipy(pressure: float, precompression: float) -> float:
 
 
 @pytest.mark.parametrize("precompression", TABLE)
-def test_the_static_curve_is_the_sheets_table(precompression: float):
+def test_the_static_curve_is_the_corrected_table(precompression: float):
     v, (crack, knee, row) = valve(pilot_precompression=precompression), TABLE[precompression]
     assert cracking_pressure(v.pilot) / BAR == pytest.approx(crack, abs=5e-4)
     assert steady_pressure(0.22507 * LITRE_PER_MINUTE, v) / BAR == pytest.approx(knee, abs=1e-3)

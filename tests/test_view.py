@@ -2,6 +2,7 @@
 
 import re
 import signal
+import struct
 import subprocess
 import sys
 import urllib.request
@@ -10,9 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bridge.recording.reader import read
+from bridge.inprocess import record_in_process
+from bridge.picture import draw as picture
+from bridge.recording.reader import Recording, read
 from bridge.scenario import ScenarioError, load
-from bridge.view.curves import CURVES, Drawn, samples, span
+from bridge.view.curves import CURVES, HAPPENINGS, Drawn, draw, samples, span
 from bridge.view.rerun import show
 
 ROOT = Path(__file__).parents[1]
@@ -57,6 +60,45 @@ def test_every_curve_is_the_recording_in_the_unit_it_names(view: Path, recorded:
     assert stamps == columns["stamp"].tolist()
     unit = {"position_mm": 1e-3, "pressure_bar": 1e5, "valve": 1.0}[curve.picture]
     assert np.array(values) * unit == pytest.approx(columns[curve.field], rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def eventful(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    """The load change until the relief valve has opened and shut."""
+    path = tmp_path_factory.mktemp("view") / "eventful.mcap"
+    return record_in_process(load("load-change", ["duration=1.2 s"]), path)
+
+
+def test_relief_valve_and_vapour_are_shown_where_they_happened(recorded: Path, eventful: Recording):
+    """A rig at rest, its relief valve steadily open, has neither picture; the load change has both, as recorded."""
+    extra = {curve.picture for curve in HAPPENINGS}
+    assert extra.isdisjoint(drawn.curve.picture for drawn in draw(read(recorded)))
+    shown = {drawn.curve.entity: drawn.values for drawn in draw(eventful)}
+    state = eventful.columns("state")
+    assert shown["relief_l_min/flow"] == pytest.approx(6e4 * state["flow_relief"])
+    assert shown["relief_um/pilot"] == pytest.approx(1e6 * state["relief_pilot"])
+    assert shown["relief_um/main_stage"] == pytest.approx(1e6 * state["relief_spool"])
+    cavities = [values for name, values in state.items() if name.startswith("cavity_")]
+    assert len(cavities) == 10
+    assert shown["vapour_cm3/vapour"] == pytest.approx(1e6 * sum(cavities))
+    assert shown["vapour_cm3/vapour"].max() > 1.0
+
+
+def test_the_eventful_view_is_written_with_its_pictures(eventful: Recording, tmp_path: Path):
+    pytest.importorskip("rerun")
+    show(eventful.path, web=False, save=tmp_path / "a.rrd")
+    for curve in HAPPENINGS:
+        assert len(column(tmp_path / "a.rrd", f"/{curve.entity}", "Scalars:scalars")[0]) == 1201
+
+
+@pytest.mark.parametrize(("length", "happening"), [(0.9, False), (1.2, True)])
+def test_the_picture_of_a_run_has_further_rows_only_where_something_happened(
+    length: float, happening: bool, eventful: Recording, tmp_path: Path
+):
+    """Three rows of 2.4 inch at 120 dots; relief valve and vapour add theirs."""
+    recording = eventful if happening else record_in_process(load("step", [f"duration={length}"]), tmp_path / "a.mcap")
+    height = struct.unpack(">I", picture(recording, recording.scenario(), tmp_path / "a.png").read_bytes()[20:24])[0]
+    assert (height > 3 * 2.4 * 120 + 1) == happening
 
 
 def test_piston_starts_at_a_hundred_millimetres(view: Path):

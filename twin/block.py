@@ -15,6 +15,7 @@ from twin.circuit import (
     LOWER,
     PUMP,
     TEE_1,
+    TEE_2,
     UPPER,
     A,
     B,
@@ -135,7 +136,9 @@ def observe(s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> None:
     out[24], out[25] = carried_mass(s.weight, c.load), seal_force(s, ends, c)
     for i in range(7):
         out[26 + i] = ends.cavity[CAVITIES[i]]
-        total -= ends.cavity[CAVITIES[i]]
+    out[27] += ends.cavity[TEE_2]
+    for end in range(12):
+        total -= ends.cavity[end]
     out[33] = inner
     out[34] = total
     for i in range(3):

@@ -108,7 +108,7 @@ class Ends(NamedTuple):
 
     pressure: NDArray  # [Pa]
     flow: NDArray  # into the line [m^3/s]
-    cavity: NDArray  # [m^3]; of a tee at its first end, of a chamber not here
+    cavity: NDArray  # [m^3]; of a tee at its first end, behind the fittings at TEE_2, of a chamber not here
     free: NDArray  # c [Pa]
     impedance: NDArray  # Z [Pa s/m^3]
     oil: NDArray  # in each line, beyond what fills it at no pressure [m^3 at reference density]
@@ -121,10 +121,21 @@ def port_at(end: int, ends: Ends, step: float) -> Port:
 
 
 @inlined
-def tee_at(first: int, second: int, ends: Ends, step: float) -> Port:
-    """The port of two line ends, their cavity included."""
-    port = joined(ends.free[first], ends.impedance[first], ends.free[second], ends.impedance[second])
-    return with_cavity(port, ends.cavity[first], step)
+def relief_tee(ends: Ends, parts: Parts) -> tuple[Port, Port]:
+    """The port of the relief valve, and what it sees of line 2 through the fittings: the cavity behind them, if any."""
+    resistance = fitting_resistance(ends.flow[TEE_2], parts.fitting)
+    behind = Port(ends.free[TEE_2], ends.impedance[TEE_2] + resistance)
+    if ends.cavity[TEE_2] > 0.0 and resistance > 0.0:
+        behind = Port(parts.oil.vapour_pressure, resistance)
+    port = joined(ends.free[TEE_1], ends.impedance[TEE_1], behind.free, behind.impedance)
+    return with_cavity(port, ends.cavity[TEE_1], parts.step), behind
+
+
+@inlined
+def return_tee(ends: Ends, step: float) -> Port:
+    """The port of lines 5 and 6, their cavity included."""
+    port = joined(ends.free[BACK_5], ends.impedance[BACK_5], ends.free[BACK_6], ends.impedance[BACK_6])
+    return with_cavity(port, ends.cavity[BACK_5], step)
 
 
 @inlined
@@ -160,11 +171,11 @@ def pump_side(tick: float, ends: Ends, parts: Parts) -> float:
 @inlined
 def relief_side(relief: Motion, before: float, ends: Ends, parts: Parts) -> tuple[Motion, float]:
     """The relief valve at its tee, and the pressure the tee would have without it; before: that of the last instant."""
-    port = tee_at(TEE_1, TEE_2, ends, parts.step)
+    port, behind = relief_tee(ends, parts)
     if parts.fitted.relief == 1.0:
         relief, _ = go_on(relief, before, port.free, port.impedance, parts.relief, parts.step)
     p = deliver(TEE_1, port, -relief.flow, ends, parts)
-    press(TEE_2, p, ends)
+    deliver(TEE_2, port_at(TEE_2, ends, parts.step), (p - behind.free) / behind.impedance, ends, parts)
     return relief, port.free
 
 
@@ -200,7 +211,7 @@ def valve_side(spool: float, ends: Ends, parts: Parts) -> None:
 @inlined
 def return_side(ends: Ends, parts: Parts) -> None:
     """Return tee and tank."""
-    p = deliver(BACK_5, tee_at(BACK_5, BACK_6, ends, parts.step), 0.0, ends, parts)
+    p = deliver(BACK_5, return_tee(ends, parts.step), 0.0, ends, parts)
     press(BACK_6, p, ends)
     press(TANK, 0.0, ends)
 
@@ -266,7 +277,6 @@ def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, m
     piston, weight = move_piston(piston, weight, parts)
     spool = move_valve(s.spool, reference, parts)
     oncoming(bank, memory, int(tick), ends.free, ends.impedance)
-    ends.impedance[TEE_2] += fitting_resistance(ends.flow[TEE_2], parts.fitting)
     pumped = pump_side(tick, ends, parts)
     relief, tee = relief_side(s.relief, s.tee, ends, parts)
     valve_side(spool.position, ends, parts)

@@ -107,7 +107,6 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     pressure[TEE_2] -= fitting_resistance(q.line_2, parts.fitting) * q.line_2
     memory, through = np.zeros(memory_size(lines)), np.array(q)
     settle(lines, memory, pressure, through)
-    pressure[TEE_2] = p.tee
     flow = np.repeat(through, 2) * np.tile([1.0, -1.0], 6)
     ends = Ends(pressure, flow, np.zeros(12), np.zeros(12), np.zeros(12), _line_oil(pressure, circuit))
     return _with_tee(State(_core(p, q.line_1 - q.line_2, piston, spool, circuit), ends, memory), circuit)
@@ -129,6 +128,6 @@ def _with_tee(state: State, circuit: Circuit) -> State:
     """What the relief valve has met: the port of the tee at this instant."""
     free, impedance = np.zeros(12), np.zeros(12)
     oncoming(circuit.lines, state.memory.copy(), 1, free, impedance)
-    impedance[TEE_2] += fitting_resistance(state.ends.flow[TEE_2], circuit.parts.fitting)
-    port = joined(free[TEE_1], impedance[TEE_1], free[TEE_2], impedance[TEE_2])
+    series = fitting_resistance(state.ends.flow[TEE_2], circuit.parts.fitting)
+    port = joined(free[TEE_1], impedance[TEE_1], free[TEE_2], impedance[TEE_2] + series)
     return state.with_core(tee=port.free)

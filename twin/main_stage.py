@@ -1,6 +1,6 @@
 """Main stage of the relief valve: a spool with a chamfered seat, p below it, p3 above it, a soft spring.
 
-Symbols and signs: PHYSICS sheet, section B, after (2.19), (2.21), corrected (2.30), (2.31), (2.35), (2.37) of the
+Symbols and signs: `README.md`, after (2.19), (2.21), corrected (2.30), (2.31), (2.35), (2.37) of the
 source. Lift x >= 0 from the seat, pressures gauge, tank at zero.
 """
 

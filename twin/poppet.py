@@ -1,6 +1,6 @@
 """Pilot poppet of the relief valve: a spring-loaded cone on a sharp seat, p2 below it, the tank behind it.
 
-Symbols and signs: PHYSICS sheet, section B, after (2.20), (2.25), (2.26), (2.32) to (2.34), (2.41) to (2.44) of the
+Symbols and signs: `README.md`, after (2.20), (2.25), (2.26), (2.32) to (2.34), (2.41) to (2.44) of the
 source. Lift x >= 0 from the seat, pressures gauge, tank at zero. The loss law is fitted to lifts of 0.01 to 0.1 seat
 diameters; at work the valve opens 0.001 to 0.0025, so results there extrapolate it.
 """

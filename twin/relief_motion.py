@@ -2,7 +2,7 @@
 
 The poppet takes the velocity Verlet rule: order 2, its lift explicit, its speed implicit in p2. The spool's speed is
 taken wholly at the end of the substep, since orifices damp it with 1e5 to 1e7 1/s; its lift by the trapezoidal rule.
-Symbols and signs: PHYSICS sheet, section B, after (2.35), (2.41) of the source. Lifts >= 0 from the seats.
+Symbols and signs: `README.md`, after (2.35), (2.41) of the source. Lifts >= 0 from the seats.
 """
 
 import math

@@ -3,7 +3,7 @@
     inlet p --orifices 1, 2--> p2 --pilot seat--> tank        p3 --orifice 3--> p2
     inlet p --main seat------> tank                           the opening spool pushes A v from p3 through orifice 3
 
-Symbols and signs: PHYSICS sheet, section B, after (2.15) to (2.19), corrected (2.28), (2.39). Flows in the direction of
+Symbols and signs: `README.md`, after (2.15) to (2.19), corrected (2.28), (2.39). Flows in the direction of
 the arrows. Q1 = Q2, Q_pl + A_in u = Q2 + A v, p3 = p2 + dp3(A v). The spool draws A v from the inlet and the poppet
 hands A_in u to the tank, so what goes in comes out: Q = Q_main + Q1 + A v. The inlet is the end of lines, p = c - z Q.
 """

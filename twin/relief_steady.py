@@ -1,4 +1,4 @@
-"""Steady states of the relief valve by bracketing, apart from the stepper: PHYSICS sheet, section B, "Static curve".
+"""Steady states of the relief valve by bracketing, apart from the stepper: `README.md`.
 
 At an inlet pressure p with nothing moving p3 = p2, and everything follows from two balances, one after the other: the
 poppet's (its lift sets the flow through orifices 1, 2 and the seat), then the spool's. The function iteration of the

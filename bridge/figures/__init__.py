@@ -1,4 +1,4 @@
-"""The figures of the source, drawn again from the twin: each a picture and the table it was drawn from.
+"""The figures of the source, drawn again from the twin, and its circuit: each a picture and the table behind it.
 
 A figure bears the source's number. Its numbers are computed apart from its drawing; both are the same at every run.
 """
@@ -9,14 +9,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from bridge.figures import friction, oil
+from bridge.figures import friction, oil, rig, transients
 from bridge.figures.canvas import Columns, Sheet
 
 
 class Figure(NamedTuple):
-    """One figure of the source."""
+    """One figure."""
 
-    name: str  # its number there; also the name of its files
+    name: str  # its number in the source; also the name of its files
     title: str
     draw: Callable[[], tuple[Columns, Sheet]]
 
@@ -26,6 +26,10 @@ _ALL = (
     Figure("2.4", "Seal friction over the speed of the piston", friction.draw_over_speed),
     Figure("2.5", "Seal friction over the pressure difference", friction.draw_over_pressure),
     Figure("2.6", "Friction factor over the dimensionless speed", friction.draw_factor),
+    Figure("2.28", "Load change and impingement at four pump speeds", transients.draw_experiment),
+    Figure("2.29", "Load change: pressures, position, relief valve", transients.draw_load_change),
+    Figure("2.30", "Impingement: pressures, position, relief valve", transients.draw_impingement),
+    Figure("circuit", "The circuit, from the rig's own numbers", rig.draw_circuit),
 )
 FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 
@@ -33,7 +37,7 @@ FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 def draw_figure(name: str, directory: str | Path) -> tuple[Path, Path]:
     """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. ValueError: no such figure."""
     if name not in FIGURES:
-        nearest = difflib.get_close_matches(name, FIGURES, n=3, cutoff=0.5) or list(FIGURES)
+        nearest = difflib.get_close_matches(name, FIGURES, n=4, cutoff=0.5) or list(FIGURES)
         raise ValueError(f"no figure {name!r}; nearest: {', '.join(nearest)}")
     columns, sheet = FIGURES[name].draw()
     directory = Path(directory)

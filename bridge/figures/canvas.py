@@ -31,8 +31,43 @@ def sheet(title: str, panels: int = 1) -> tuple[Sheet, list[Axes]]:
     return page, [_panel(page, panels, index) for index in range(panels)]
 
 
+def stack(title: str, heights: Sequence[float]) -> tuple[Sheet, list[Axes]]:
+    """An empty sheet with a title and panels above each other, on one horizontal axis; their heights as shares."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    page = Figure(figsize=(9.0, 1.2 + 1.8 * sum(heights)), dpi=DOTS_PER_INCH, layout="constrained")
+    FigureCanvasAgg(page)
+    page.suptitle(title, fontsize=12)
+    panels = page.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=list(heights))[:, 0]
+    return page, [_plain(axes) for axes in panels]
+
+
+def drawing(width: float, height: float, bounds: tuple[float, float, float, float]) -> tuple[Sheet, Axes]:
+    """An empty sheet [inch] without axes; bounds: left, right, bottom, top, of the same shape or drawn to fit."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    page = Figure(figsize=(width, height), dpi=DOTS_PER_INCH)
+    FigureCanvasAgg(page)
+    axes = page.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    axes.set_xlim(*bounds[:2])
+    axes.set_ylim(*bounds[2:])
+    axes.set_aspect("equal")
+    return page, axes
+
+
+def remark(page: Sheet, text: str) -> None:
+    """A line below the panels."""
+    page.supxlabel(text, fontsize=8, color="0.35", x=0.01, ha="left")
+
+
 def _panel(page: Sheet, panels: int, index: int) -> Axes:
-    axes = page.add_subplot(1, panels, index + 1)
+    return _plain(page.add_subplot(1, panels, index + 1))
+
+
+def _plain(axes: Axes) -> Axes:
     axes.grid(alpha=0.25, linewidth=0.6)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)

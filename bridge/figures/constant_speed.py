@@ -5,6 +5,8 @@ Speeds are constant only in part: friction falls with speed, and what damps the 
 slope G, against the elastic oil C behind it; a speed is steady where about G/C > |dF_f/dv|/m. Between the rig's
 hoses that is beyond some 40 mm/s; with the valve on the cylinder, 0.2 m of steel pipe between them, beyond some
 20 mm/s: both are run. Slower, the piston sticks and slips, and a balance of means tells nothing of the law.
+The pump gives its mean flow: with the ripple of its teeth the speed swings by 1 to 2 %, and no speed on the way up
+is constant within SPREAD.
 """
 
 from functools import cache
@@ -16,17 +18,20 @@ from numpy.typing import NDArray
 
 from bridge.figures.canvas import Array
 from bridge.scenario.model import Daq
-from twin.block import flatten, record, run_block
+from twin.block import OBSERVED, compiled, run_block
+from twin.build import build
 from twin.circuit import Circuit
 from twin.equilibrium import equilibrium
-from twin.rig import RIG, build, numbers
+from twin.rig import RIG, values
 from twin.sensors import Card, acquire, noise_block
+from twin.state import flatten
 
 LOADS = (165.0, 213.0, 243.0, 299.0, 334.0)  # [kg], 2.3
 BEYOND = (0.002, 0.005, 0.008, 0.011, 0.016, 0.02, 0.025, 0.03, 0.04, 0.05, 0.065)  # the overlap; share of the travel
 STEEL = {name: RIG["pipe_1"][name].value for name in ("wall", "young")}
-MOUNTED = {"length": 0.2, **STEEL}  # [m], assumed; little more than the step resolves
+MOUNTED = {"length": 0.2, "model": "lumped", **STEEL}  # [m], assumed; 3.5 steps of a wave, too short for `ends`
 LINES = {RIG["pipe_3"]["length"].value: {}, MOUNTED["length"]: {"pipe_3": MOUNTED, "pipe_4": MOUNTED}}
+SMOOTH = {"pump": {"ripple": "none"}}
 START = {1.0: 0.03, -1.0: 0.24}  # [m], by direction: room to run
 STEP = 50e-6  # [s]
 SETTLING = 12_000  # steps before the first window: 0.6 s
@@ -76,17 +81,17 @@ class Readings(NamedTuple):
 
 def bench(line: float, mass: float) -> Circuit:
     """The rig with a load [kg] and one of LINES [m] between valve and cylinder."""
-    return build(numbers({**LINES[line], "load": {"mass": mass}}), STEP)
+    return build(values({**LINES[line], **SMOOTH, "load": {"mass": mass}}), STEP)
 
 
 def window_of(reference: float, direction: float, circuit: Circuit) -> NDArray[np.float64]:
     """Taps (sample, 2, channel) in the first steady window at a spool reference, or in the last one."""
-    parameters, state = record(circuit), flatten(equilibrium(circuit, START[direction]))
-    taps = np.empty((SAMPLES, 2, 5))
-    run_block(state, reference, parameters, SETTLING, taps[0])
+    plant, state = compiled(circuit), flatten(equilibrium(circuit, START[direction]))
+    taps, seen = np.empty((SAMPLES, 2, 5)), np.empty(len(OBSERVED))
+    run_block(state, reference, *plant, SETTLING, taps[0], seen)
     for _ in range(WINDOWS):
         for sample in taps:
-            run_block(state, reference, parameters, SAMPLE, sample)
+            run_block(state, reference, *plant, SAMPLE, sample, seen)
         if verdict(taps) == STEADY:
             break
     return taps
@@ -107,7 +112,7 @@ def runs() -> list[Run]:
     for line, mass in product(LINES, LOADS):
         circuit = bench(line, mass)
         for beyond, direction in product(BEYOND, START):
-            reference = direction * (circuit.valve.overlap + beyond)
+            reference = direction * (circuit.parts.valve.overlap + beyond)
             made.append(Run(line, mass, reference, circuit, window_of(reference, direction, circuit)))
     return made
 
@@ -127,7 +132,7 @@ def read(run: Run, card: Card | None, block: int) -> tuple[float, ...]:
     samples = scan(run.taps, card, block)
     speed = np.polyfit(np.arange(SAMPLES) * SAMPLE * STEP, samples[:, 0], 1)[0]
     lower, upper = samples[:, 3:].mean(axis=0)
-    cylinder, load = run.circuit.cylinder, run.circuit.load
+    cylinder, load = run.circuit.parts.cylinder, run.circuit.parts.load
     force = cylinder.area_lower * lower - cylinder.area_upper * upper - load.mass * load.gravity
     shown = verdict(run.taps)
     if card is not None and shown == STEADY and upper < LEAST_PRESSURE:

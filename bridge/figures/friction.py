@@ -35,7 +35,7 @@ SPEEDS = (0.02, 0.04, 0.06)  # [m/s], of the law's lines in 2.5
 
 def rig_seal() -> Seal:
     """The rig's seal: the same in every run."""
-    return bench(LONG, LOADS[0]).seal
+    return bench(LONG, LOADS[0]).parts.seal
 
 
 def speed_columns(test: Readings) -> Columns:

@@ -13,7 +13,16 @@ APPLICATION = "hydrotwin"
 TIMELINE = "sim_time"
 EVENTS = "events"
 GRAVE = ("late", "refused", "safe")  # kinds of events that a run should not have
-SHARES = {"position_mm": 3, "pressure_bar": 4, "valve": 2.5, "wall_time_us": 2.5, EVENTS: 3}  # of the height
+SHARES = {
+    "position_mm": 3,
+    "pressure_bar": 4,
+    "valve": 2.5,
+    "wall_time_us": 2.5,
+    EVENTS: 3,
+    "relief_l_min": 2,
+    "relief_um": 2,
+    "vapour_cm3": 2,
+}  # of the height
 
 
 def write(recording: Recording, path: Path) -> Path:

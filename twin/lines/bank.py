@@ -98,7 +98,7 @@ def bank_of(specs: Sequence[LineSpec], step: float, vapour_pressure: float) -> B
 
 def _checked(i: int, s: LineSpec) -> LineNumbers:
     if s.model not in MODELS or s.friction not in LOSSES:
-        raise ValueError(f"line {i + 1}: model {s.model}, friction {s.friction}; known: {MODELS}, {tuple(LOSSES)}")
+        raise ValueError(f"pipe_{i + 1}: model {s.model}, friction {s.friction}; known: {MODELS}, {tuple(LOSSES)}")
     return derive(s)
 
 
@@ -108,7 +108,7 @@ def _attempt(i: int, s: LineSpec, prepare, *arguments):
         return prepare(*arguments)
     except ValueError as error:
         way = "take a smaller loop.step, a longer pipe" + ("" if s.model == "lumped" else " or model lumped")
-        raise ValueError(f"line {i + 1}, {s.length:g} m: {error}; {way}") from error
+        raise ValueError(f"pipe_{i + 1}, {s.length:g} m: {error}; {way}") from error
 
 
 def packed(bank: Bank) -> tuple[Integers, Floats]:

@@ -1,7 +1,7 @@
 """The exact laminar line in Laplace's s, normalised: what the models are fitted to.
 
 Symbols: T = l/a travel time, t_v = R^2/nu, u = s T, sigma = s t_v, xi = sqrt(sigma), Z0 = rho a/A; losses N(s):
-`none` 1, steady 1 + 8/sigma (Hagen-Poiseuille), unsteady I0(xi)/I2(xi) (dissipative laminar flow; PHYSICS sheet, C).
+`none` 1, steady 1 + 8/sigma (Hagen-Poiseuille), unsteady I0(xi)/I2(xi) (dissipative laminar flow).
 Zc = Z0 sqrt(N), Gamma l = u sqrt(N). Scattered against Z0, a = p + Z0 q, b = p - Z0 q, q into the line, the line
 equal at both ends splits into two modes: both ends alike (+), b = S+ a, and opposite (-), b = S- a, with
 
