@@ -43,9 +43,9 @@ class Pipe(NamedTuple):
     def impedance(self) -> float:
         return self.density * self.speed / (math.pi / 4.0 * self.diameter**2)
 
-    def spec(self, model: str = "ends", friction: str = "unsteady", fitting: float = 0.0) -> LineSpec:
+    def spec(self, model: str = "ends", friction: str = "unsteady") -> LineSpec:
         modulus = self.density * self.speed**2
-        return LineSpec(self.length, self.diameter, modulus, self.density, self.viscosity, model, friction, fitting)
+        return LineSpec(self.length, self.diameter, modulus, self.density, self.viscosity, model, friction)
 
 
 CORNERS = [

@@ -24,7 +24,7 @@ def test_no_oil_is_lost():
 @pytest.mark.parametrize("flow", [1e-5, 8e-4])
 def test_steady_start_stays_steady(flow: float):
     """Laminar and turbulent, with a filter. 1e-9: rounding, summed over 20000 steps."""
-    bank = bank_of([PIPE.spec("lumped", fitting=1e8)], 50e-6, -1e5)
+    bank = bank_of([PIPE.spec("lumped")], 50e-6, -1e5)
     memory = np.zeros(memory_size(bank))
     drop = steady_drop(bank, 0, flow)
     settle(bank, memory, np.array([5e6 + drop, 5e6]), np.array([flow]))
@@ -80,7 +80,7 @@ def test_passive_up_to_a_step_of_its_travel_time(share: float):
     """h < sqrt(I C) = l/a, derived in lumped.py, on both sides: refused beyond, bounded in a shut line below."""
     spec, step = PIPE.spec("lumped", "none"), share * PIPE.travel_time
     if share > 1.0:
-        with pytest.raises(ValueError, match=r"line 1, 2\.5 m: step .* limit 0\.0022 s .* smaller loop\.step"):
+        with pytest.raises(ValueError, match=r"pipe_1, 2\.5 m: step .* limit 0\.0022 s .* smaller loop\.step"):
             bank_of([spec], step, -1e5)
         return
     bank, memory = at_rest(spec, step)

@@ -138,5 +138,5 @@ def _load(load: Entries) -> Load:
 def _line(pipe: Entries, oil: Oil) -> LineSpec:
     modulus = effective_modulus(oil.bulk_modulus, pipe["diameter"], pipe["wall"], pipe["young"])
     return LineSpec(
-        pipe["length"], pipe["diameter"], modulus, oil.density, oil.viscosity, pipe["model"], pipe["friction"], 0.0
+        pipe["length"], pipe["diameter"], modulus, oil.density, oil.viscosity, pipe["model"], pipe["friction"]
     )

@@ -9,7 +9,7 @@ density], p gauge [Pa]; c and Z come from the past only. Ends are counted line 0
         leave(bank, memory, tick, q)           exactly once per tick
         profile(bank, memory, tick, ...)       at will, after leave of that tick
 
-A fitting (a filter) sits before end 1 in series. Turbulent friction beyond the laminar one, r >= 0 from the flow of the
+Turbulent friction beyond the laminar one, r >= 0 from the flow of the
 instant before, sits half at each end of an `ends` line, from each end's own flow: where a front divides the pipe only
 the part behind it resists, and r q^2 takes energy whatever q does. In `nodes` it sits at both ends of every segment, in
 `lumped` in the middle.
@@ -45,7 +45,6 @@ class Bank(NamedTuple):
     resistance: Floats  # laminar, 128 mu l/(pi d^4); 0 without friction [Pa s/m^3]
     travel_time: Floats  # l/a [s]
     turbulent_per_flow: Floats  # Re per flow [s/m^3]; 0 if the friction does not know Re
-    fitting: Floats  # [Pa s/m^3]
     ends_place: Integers  # per chunk
     ends_layout: Integers
     ends_numbers: Floats
@@ -72,7 +71,7 @@ def bank_of(specs: Sequence[LineSpec], step: float, vapour_pressure: float) -> B
     lumps = [_attempt(i, specs[i], lumped.coefficients, lines[i], step) for i in which[LUMPED]]
     lumped_place = nodes_place[-1] + lumped.SIZE * np.arange(len(lumps) + 1)
 
-    per_line = ("z0", "capacity", "inertance", "resistance", "travel_time", "turbulent_per_flow", "fitting")
+    per_line = ("z0", "capacity", "inertance", "resistance", "travel_time", "turbulent_per_flow")
     bank = Bank(
         step=step,
         vapour_pressure=vapour_pressure,
@@ -129,7 +128,7 @@ def packed(bank: Bank) -> tuple[Integers, Floats]:
 def unpacked(w, f) -> Bank:
     """The bank that `packed` has made flat, as views of it."""
     n_ends, n_nodes, n_lumped = w[4] - w[3], w[6] - w[5], w[9] - w[8]
-    b = w[11:22]
+    b = w[11:21]
     return Bank(
         f[0],
         f[1],
@@ -142,17 +141,16 @@ def unpacked(w, f) -> Bank:
         f[b[3] : b[4]],
         f[b[4] : b[5]],
         f[b[5] : b[6]],
-        f[b[6] : b[7]],
         w[w[3] : w[4]],
         w[w[4] : w[5]].reshape((n_ends, chunks.LAYOUT * chunks.LANES)),
-        f[b[7] : b[8]].reshape((n_ends, chunks.NUMBERS * chunks.LANES)),
+        f[b[6] : b[7]].reshape((n_ends, chunks.NUMBERS * chunks.LANES)),
         w[w[5] : w[6]],
         w[w[6] : w[7]],
         w[w[7] : w[8]].reshape((n_nodes, nodes.LAYOUT)),
-        f[b[8] : b[9]].reshape((n_nodes, nodes.NUMBERS)),
+        f[b[7] : b[8]].reshape((n_nodes, nodes.NUMBERS)),
         w[w[8] : w[9]],
         w[w[9] : w[10]],
-        f[b[9] : b[10]].reshape((n_lumped, lumped.NUMBERS)),
+        f[b[8] : b[9]].reshape((n_lumped, lumped.NUMBERS)),
     )
 
 
@@ -194,7 +192,7 @@ def settle(bank, memory, p, q) -> None:
 
 @kernel
 def profile(bank, memory, tick: int, line: int, xi, out) -> None:
-    """Pressure [Pa] at places xi (0 end 1 behind its fitting .. 1 end 2) after `leave` of the tick."""
+    """Pressure [Pa] at places xi (0 end 1 .. 1 end 2) after `leave` of the tick."""
     slot = bank.slot[line]
     if bank.model[line] == ENDS:
         ends.profile(bank.ends_place, bank.ends_layout, bank.ends_numbers, memory, slot, tick, xi, out)
@@ -215,13 +213,11 @@ def inner_cavity(bank, memory, line: int) -> float:
 
 @kernel
 def steady_drop(bank, line: int, q: float) -> float:
-    """Pressure drop [Pa] from end 1 to end 2 at a steady flow q [m^3/s], with its fitting."""
-    laminar = bank.resistance[line] * turbulence(abs(q) * bank.turbulent_per_flow[line])
-    return (laminar + bank.fitting[line]) * q
+    """Pressure drop [Pa] from end 1 to end 2 at a steady flow q [m^3/s]."""
+    return bank.resistance[line] * turbulence(abs(q) * bank.turbulent_per_flow[line]) * q
 
 
 @kernel
 def steady_slope(bank, line: int, q: float) -> float:
     """Slope of `steady_drop` by the flow [Pa s/m^3]."""
-    laminar = bank.resistance[line] * turbulence_slope(abs(q) * bank.turbulent_per_flow[line])
-    return laminar + bank.fitting[line]
+    return bank.resistance[line] * turbulence_slope(abs(q) * bank.turbulent_per_flow[line])

@@ -18,7 +18,7 @@ C, Q, SERIES, OWN, ECHO, FAR, TAP, ECHO_TAP, LATE, CHAIN = range(10)
 STATES = CHAIN + TAPS
 MEMORY = STATES + POLES  # rows; rings follow
 # rows of coefficients
-PER_H, Z, PUSH, ECHO_0, ECHO_1, Z0, M, FITTING, HALF, PER_FLOW, TAPS_AT = range(11)
+PER_H, Z, PUSH, ECHO_0, ECHO_1, Z0, M, HALF, PER_FLOW, TAPS_AT = range(10)
 P = TAPS_AT + TAPS
 NUMBERS = P + 4 * POLES
 # rows of whole numbers: number of the end, its ring, mask, delays of FAR, ECHO, TAP, ECHO_TAP
@@ -72,5 +72,5 @@ def _coefficients(f: Filters, line: LineNumbers, end: int, steps: float) -> NDAr
     table = np.zeros((4, POLES))
     table[:, : len(gain)] = f.poles, f.poles * gain * f.own, gain * f.echo, gain * f.across
     scalars = [1.0 / (1.0 - direct), z, z + line.z0, *f.echo_taps, line.z0, steps]
-    friction = [line.fitting if end == 0 else 0.0, 0.5 * line.resistance, line.turbulent_per_flow]
+    friction = [0.5 * line.resistance, line.turbulent_per_flow]
     return np.concatenate([scalars, friction, f.taps, table.ravel()])

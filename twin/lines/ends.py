@@ -29,7 +29,6 @@ from twin.lines.chunks import (
     ECHO_TAP,
     END,
     FAR,
-    FITTING,
     HALF,
     LANES,
     LATE,
@@ -114,11 +113,11 @@ def _move(m, f) -> None:
 
 @kernel
 def _series(f, i: int, q: float) -> float:
-    """What stands in series with an end: its fitting and half of the turbulent resistance [Pa s/m^3]."""
+    """What stands in series with an end: half of the turbulent resistance beyond the laminar one [Pa s/m^3]."""
     reynolds = abs(q) * f[PER_FLOW * LANES + i]
     if reynolds <= LAMINAR_LIMIT:
-        return f[FITTING * LANES + i]
-    return f[FITTING * LANES + i] + f[HALF * LANES + i] * (turbulence(reynolds) - 1.0)
+        return 0.0
+    return f[HALF * LANES + i] * (turbulence(reynolds) - 1.0)
 
 
 @kernel

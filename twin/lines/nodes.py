@@ -30,7 +30,7 @@ LANES = 32  # ends of segments side by side, end 1 of the line first
 WAVE, SUM, EXCESS, FLOW, PRESSURE, CAVITY, STATES = range(7)
 RING = STATES + POLES
 # coefficients of a line: scalars, taps, p and (1 - p) r, then a row of Z0 w
-Z0, F_0, HEAVY, PER_FLOW, STEP, VAPOUR, FITTING, TAPS_AT = range(8)
+Z0, F_0, HEAVY, PER_FLOW, STEP, VAPOUR, TAPS_AT = range(7)
 P = TAPS_AT + TAPS
 WEIGHT = P + 2 * POLES
 NUMBERS = WEIGHT + LANES
@@ -48,7 +48,7 @@ def prepare(line: LineNumbers, step: float, vapour_pressure: float) -> tuple[lis
     steady = 0.0 if line.losses == "none" else 8.0
     share = line.z0 * step / (2.0 * line.viscous_time)
     heavy = 0.5 * line.resistance / (m * share)  # turbulent extra of an end over its Z0 w
-    scalars = [line.z0, steady + float(r.sum()), heavy, line.turbulent_per_flow, step, vapour_pressure, line.fitting]
+    scalars = [line.z0, steady + float(r.sum()), heavy, line.turbulent_per_flow, step, vapour_pressure]
     weight = np.zeros(LANES)
     weight[: 2 * segments] = share * delay
     weight[segments - 1 : segments + 1] = share * middle
@@ -79,7 +79,6 @@ def oncoming(lines, place, layout, numbers, memory, tick: int, c, z) -> None:
         for end, e in ((2 * lines[k], 0), (2 * lines[k] + 1, last)):
             c[end] = m[WAVE * LANES + e] + f[WEIGHT + e] * m[SUM * LANES + e]
             z[end] = f[Z0] + f[WEIGHT + e] * f[F_0] + m[EXCESS * LANES + e]
-        z[2 * lines[k]] += f[FITTING]
 
 
 @kernel
@@ -154,7 +153,7 @@ def settle(lines, place, layout, numbers, memory, p, q) -> None:
     """Steady flows from end 1 to end 2 since ever, under the pressures p at the ends, without cavities."""
     for k in range(len(lines)):
         m, f, count, flow = memory[place[k] :], numbers[k], layout[k, 1], q[lines[k]]
-        at, end = p[2 * lines[k]] - f[FITTING] * flow, p[2 * lines[k] + 1]
+        at, end = p[2 * lines[k]], p[2 * lines[k] + 1]
         length = 0.0
         for j in range(count):
             length += f[WEIGHT + 2 * j]

@@ -18,7 +18,6 @@ class LineSpec(NamedTuple):
     viscosity: float  # nu [m^2/s]
     model: str  # of MODELS
     friction: str  # of LOSSES
-    fitting: float  # linear resistance of what sits at end 1 [Pa s/m^3]
 
 
 class LineNumbers(NamedTuple):
@@ -31,7 +30,6 @@ class LineNumbers(NamedTuple):
     travel_time: float  # T = l/a [s]
     viscous_time: float  # t_v = R^2/nu [s]
     turbulent_per_flow: float  # Re per flow, 4/(pi d nu); 0 if the friction does not know Re [s/m^3]
-    fitting: float  # [Pa s/m^3]
     losses: str  # of theory.LOSSES
 
 
@@ -46,6 +44,5 @@ def derive(s: LineSpec) -> LineNumbers:
         travel_time=s.length / speed,
         viscous_time=s.diameter**2 / (4.0 * s.viscosity),
         turbulent_per_flow=4.0 / (math.pi * s.diameter * s.viscosity) if s.friction in TURBULENT else 0.0,
-        fitting=s.fitting,
         losses=LOSSES[s.friction],
     )
