@@ -34,6 +34,10 @@ class Row(NamedTuple):
         order = f"{self.order:.2f}" if math.isfinite(self.order) else "-"
         return self.signal, f"{self.rms * factor:.3g} {unit}", f"{self.greatest * factor:.3g} {unit}", order
 
+    def plain(self) -> dict[str, Any]:
+        """For JSON, which knows no NaN."""
+        return self._asdict() | {"order": self.order if math.isfinite(self.order) else None}
+
 
 def convergence(scenario: Scenario) -> list[Row]:
     """Run a scenario three times; the card reads without noise and steps."""

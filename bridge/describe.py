@@ -60,9 +60,12 @@ def values_of(scenario: Scenario) -> list[Value]:
 
 def _value(name: str, value: Any, entry: Entry) -> Value:
     own = value == entry.value
-    source = entry.source if own else f"this scenario; otherwise {entry.value}"
-    text = value if isinstance(entry, Choice) else _with_unit(value, entry.unit, name.partition(".")[2])
-    return Value(name, text, source, not own)
+    source = entry.source if own else f"this scenario; otherwise {_text(name, entry.value, entry)}"
+    return Value(name, _text(name, value, entry), source, not own)
+
+
+def _text(name: str, value: Any, entry: Entry) -> str:
+    return value if isinstance(entry, Choice) else _with_unit(value, entry.unit, name.partition(".")[2])
 
 
 def _with_unit(value: float, unit: str, name: str) -> str:

@@ -29,7 +29,7 @@ from twin.oil import exponential_viscosity, kinematic_viscosity
 from twin.rig import RIG
 from twin.seal import friction
 
-ALPHA, BETA = RIG["seal"]["alpha"].value, RIG["seal"]["beta"].value
+ALPHA, BETA = float(RIG["seal"]["alpha"].value), float(RIG["seal"]["beta"].value)
 
 
 @pytest.fixture(scope="module")
@@ -110,8 +110,8 @@ def test_the_viscosity_table_holds_the_fitted_curve_of_its_own_constants():
 
 
 def test_friction_at_constant_speed_is_the_law(exact: Readings):
-    """Less the inertia of what the speed changes over a window. 0.3 %: a speed that still swings by up to 1 % is seen in
-    broken periods, at 5 ms, and its friction by a falling curve."""
+    """Less the inertia of what the speed changes over a window. 0.3 %: a speed that still swings by up to 1 % is seen
+    in broken periods, at 5 ms, and its friction by a falling curve."""
     seal, steady = rig_seal(), exact.steady
     change = np.array([run.taps[-1, 1, 1] - run.taps[0, 1, 1] for run in runs()])
     force = exact.force - exact.mass * change / ((SAMPLES - 1) * SAMPLE * STEP)

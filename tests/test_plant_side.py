@@ -48,7 +48,11 @@ def test_a_command_acts_at_its_own_instant_inside_a_block():
     side.tick()
     scenario = side.scenario
     circuit = build(scenario.rig_values(), scenario.loop.step)
-    state, taps, seen = flatten(equilibrium(circuit, scenario.start.position)), np.zeros((2, 5)), np.zeros(len(OBSERVED))
+    state, taps, seen = (
+        flatten(equilibrium(circuit, scenario.start.position)),
+        np.zeros((2, 5)),
+        np.zeros(len(OBSERVED)),
+    )
     run_block(state, 0.0, *compiled(circuit), 7, taps, seen)
     run_block(state, 0.8, *compiled(circuit), 13, taps, seen)
     assert np.array_equal(state, side._state)

@@ -43,7 +43,7 @@ def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: A
     loaded = load(scenario, changes)
     rows = compare(loaded)
     if as_json:
-        print_json([row._asdict() for row in rows])
+        print_json([row.plain() for row in rows])
         return
     step = loaded.loop.step * 1e6
     print(f"{loaded.name} at {step:g}, {step / 2:g} and {step / 4:g} us; errors against the finest")

@@ -7,11 +7,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tests.benchmarks import lines, loop, plant, recorder, start, timing
+from tests.benchmarks import lines, loop, plant, recorder, relief, start, timing
 
 SECTIONS = {
     "plant": plant.rows,
     "lines": lines.rows,
+    "relief": relief.rows,
     "loop": loop.rows,
     "timing": timing.rows,
     "recorder": recorder.rows,
