@@ -71,7 +71,7 @@ def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap."
 def messages(as_json: AS_JSON = False) -> None:
     """Print every key, type, rate, `.msg` text and `struct` format."""
     from bridge.cli.report import print_table
-    from bridge.messages import TOPICS, definition, field_names, struct_format
+    from bridge.messages import TOPICS, definition, described, field_names, struct_format
 
     rows = [
         (
@@ -93,8 +93,8 @@ def messages(as_json: AS_JSON = False) -> None:
         print_json({"messages": plain, "definitions": types, "fields": fields})
         return
     print_table(keys, rows)
-    for kind, text in types.items():
-        print(f"\n# {kind}\n{text.rstrip()}")
+    for kind in types:
+        print(f"\n# {kind}\n{described(kind).rstrip()}")
     print("\nPayloads are CDR, little endian: 4 bytes of header (00 01 00 00), then the fields in order.")
 
 
