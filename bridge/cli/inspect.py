@@ -1,4 +1,4 @@
-"""Verbs that look: describe, convergence, digest, messages, figure, figures, view, doctor."""
+"""Verbs that look: describe, convergence, digest, messages, figure, figures, doctor."""
 
 from itertools import groupby
 from pathlib import Path
@@ -7,8 +7,6 @@ from typing import Annotated
 import typer
 
 from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, print_json
-
-FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
 
 
 def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
@@ -133,17 +131,6 @@ def figures(as_json: AS_JSON = False) -> None:
         print_json([{"name": name, "title": title} for name, title in rows])
     else:
         print_table(("name", "title"), rows)
-
-
-def view(
-    file: FILE,
-    web: Annotated[bool, typer.Option("--web", help="Serve it to a browser instead of opening a window.")] = False,
-    save: Annotated[Path | None, typer.Option(help="Write a Rerun file, .rrd, and open nothing.")] = None,
-) -> None:
-    """Show a recording in Rerun: position and reference, pressures, valve, timing."""
-    from bridge.view.rerun import show
-
-    show(file, web, save)
 
 
 def doctor(as_json: AS_JSON = False) -> None:

@@ -1,0 +1,151 @@
+"""A running plant in Rerun: a process of its own between Zenoh and the viewer, which the loop cannot notice."""
+
+import json
+import os
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.bus import Bus
+from bridge.clock import Stop
+from bridge.failure import RunError
+from bridge.link import Link
+from bridge.messages import decode
+from bridge.recording.reader import Entry
+from bridge.scenario import ScenarioError
+from bridge.view.batch import WATCHED, Inbox, run_of
+from bridge.view.content import APPLICATION
+from bridge.view.drawing import Drawing
+from bridge.view.program import Program, connected, require_rerun, server, window
+from bridge.view.screenshot import check_target, screenshot
+
+PERIOD = 0.05  # [s] from batch to batch
+YIELDING = 10  # niceness, Rerun's included: the loop comes first
+FLUSH = 2.0  # [s] that Rerun has to take a batch; then what comes waits, and in the end is left out
+GONE = ("ended", "interrupted", "failed")
+PICTURE_AFTER = 4.0  # [s] of simulated time, unless somebody says when
+
+
+class LiveOptions(NamedTuple):
+    """Where to show it."""
+
+    web: bool
+    save: Path | None
+    picture: Path | None
+    at: float | None  # [s], of the picture
+
+
+def watch(link: Link, rig: str, options: LiveOptions) -> None:
+    """Show a running plant until the viewer is closed or Ctrl-C. Raises RunError, LinkError or ScenarioError."""
+    if options.web + (options.save is not None) + (options.picture is not None) > 1:
+        raise ScenarioError("--web serves the view, --save and --screenshot write a file: choose one")
+    require_rerun()
+    if options.picture:
+        check_target(options.picture)
+    os.nice(YIELDING)
+    with Bus(link, rig, "viewer", blocking=False) as bus:
+        live = Live(bus, link.patience, Stop())
+        if options.picture:
+            at = PICTURE_AFTER if options.at is None else options.at
+            screenshot(options.picture, lambda program: live.follow(program, until=at, bare=True))
+        elif options.save:
+            live.write(options.save)
+        else:
+            _show(live, options.web)
+
+
+def _show(live: "Live", web: bool) -> None:
+    with ExitStack() as stack:
+        program = stack.enter_context(server() if web else window())
+        if web:
+            print(f"{program.address}\nCtrl-C ends it", flush=True)
+        live.follow(program)
+        if live.inbox.left_out:
+            print(f"{live.inbox.left_out} messages were not drawn: the viewer was too slow for them")
+
+
+class Live:
+    """What comes from a rig, drawn batch by batch."""
+
+    def __init__(self, bus: Bus, patience: float, stop: Stop) -> None:
+        self.bus = bus
+        self.stop = stop
+        self.inbox = Inbox()
+        self._patience = patience
+        self._over = False  # the plant has said its last word
+        for topic in WATCHED:
+            bus.subscribe(topic, lambda sample, topic=topic: self.inbox.put(topic, sample))
+        bus.subscribe("status", self._on_status)
+
+    def follow(self, program: Program, until: float | None = None, bare: bool = False) -> None:
+        """Draw on a Rerun program until it ends, Ctrl-C, or a simulated time [s]; a new run begins a new recording."""
+
+        def closed() -> bool:
+            return program.process.poll() is not None
+
+        def finished(drawing: Drawing) -> bool:
+            return closed() or (until is not None and (drawing.seconds >= until or self._over))
+
+        while not self.stop() and not closed():
+            drawing = Drawing(connected(program, APPLICATION), self._manifest(), bare)
+            self._draw(drawing, finished)
+            if until is not None:
+                return
+
+    def write(self, path: Path) -> None:
+        """Draw into a Rerun file until the plant ends or Ctrl-C."""
+        import rerun as rr
+
+        if path.suffix != ".rrd":
+            raise ScenarioError(f"{path}: Rerun knows its files by their ending; name it {path.with_suffix('.rrd')}")
+        stream = rr.RecordingStream(APPLICATION)
+        stream.save(path)
+        self._draw(Drawing(stream, self._manifest(), bare=False), lambda _: self._over)
+        stream.disconnect()
+
+    def _draw(self, drawing: Drawing, finished: Any) -> None:
+        """Batches of one run, until another one begins."""
+        free = True
+        while not self.stop():
+            over = finished(drawing)
+            time.sleep(PERIOD)
+            free = free or _flushed(drawing.stream, PERIOD)
+            if free:
+                entries = self.inbox.take()
+                if _another(entries, drawing.run_id):
+                    return
+                drawing.add([entry for entry in entries if run_of(entry) == drawing.run_id])
+                free = _flushed(drawing.stream, FLUSH)
+            if over:
+                return
+
+    def _on_status(self, sample: Any) -> None:
+        try:
+            status = decode(sample.payload.to_bytes(), "status")
+        except ValueError:
+            return
+        if status.role == "plant":
+            self._over = status.phase in GONE
+
+    def _manifest(self) -> dict[str, Any]:
+        answer = self.bus.ask("scenario", self._patience, self.stop)
+        if answer is None:
+            raise RunError(
+                f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig"
+            )
+        return json.loads(answer)
+
+
+def _another(entries: list[Entry], run_id: int) -> bool:
+    """Has another run begun? Its measurements say so."""
+    return any(entry.topic == "measurement" and run_of(entry) != run_id for entry in entries[-1000:])
+
+
+def _flushed(stream: Any, patience: float) -> bool:
+    """Has Rerun taken all that was sent?"""
+    try:
+        stream.flush(timeout_sec=patience)
+    except RuntimeError:
+        return False
+    return True
