@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from bridge.cli.app import AS_JSON, print_json
 from bridge.cli.processes import CONFIG, CONNECT
 from bridge.link import DEFAULT_ENDPOINT
 
@@ -44,6 +45,23 @@ def view(
 
     options = LiveOptions(web, save, picture, when if at is not None else None)
     watch(Link(None, connect, zenoh_config, patience), rig, options)
+
+
+def report(
+    files: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="Recordings, .mcap; several are laid over one another.")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Page to write, .html.")] = Path("report.html"),
+    as_json: AS_JSON = False,
+) -> None:
+    """Write one page on a run, to read offline and on paper; of several runs an overlay and their differences."""
+    from bridge.report.page import write_report
+
+    written = write_report(files, output)
+    if as_json:
+        print_json({"report": str(written)})
+    else:
+        print(written)
 
 
 def _seconds(text: str) -> float:

@@ -11,6 +11,7 @@ PANELS = {
         inspect.describe,
         inspect.convergence,
         looking.view,
+        looking.report,
         inspect.digest,
         inspect.messages,
         inspect.figures,

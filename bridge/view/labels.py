@@ -36,7 +36,7 @@ def _names(stream: Any, stage: Stage) -> None:
         f"relief valve, lifts x{LIFT_SCALE:g}": RELIEF_AT + 0.14 * UP,
         "pump": PUMP + np.array([0.0, -0.07, -0.06]),
         "tank": TANK + np.array([0.25, -0.2, -0.2]),
-        f"violet: vapour; balls: cavities, x{CAVITY_SCALE:g}": np.array([-0.32, 0.0, 0.16]),
+        f"violet: vapour; balls: cavities, x{CAVITY_SCALE:g}": np.array([-0.24, 0.0, 0.14]),
     }
     for number, pipe in enumerate(stage.pipes, 1):
         middle = pipe.pieces[len(pipe.pieces) // 2][0]

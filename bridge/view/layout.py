@@ -15,7 +15,7 @@ SHARES = (3.0, 4.0, 2.5, 3.0, 3.0)  # of the height; the last of what is behind 
 CHOSEN_PIPE = 2  # in sight first: from the valve to the lower chamber
 CYLINDER = ("cylinder", "piston", "oil", "weight", "rails", "frame", "cavities", "pipes", "taps")  # parts seen near
 EYES = {  # position and target [m]
-    "rig": ((0.95, -2.55, 1.2), (1.0, 0.0, 0.8)),
+    "rig": ((0.98, -2.7, 1.2), (0.98, 0.0, 0.8)),
     "cylinder": ((0.42, -0.8, 1.3), (0.06, 0.0, 1.04)),
     "valves": ((1.0, -0.42, 1.08), (0.88, 0.0, 0.92)),
 }

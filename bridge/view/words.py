@@ -19,13 +19,20 @@ MODES = {"inprocess": "in one process", "lockstep": "in lockstep", "realtime": "
 def sentence(recording: Recording) -> str:
     """The run in one sentence."""
     run, summary = recording.metadata.get("run", {}), recording.metadata.get("summary", {})
-    scenario = run.get("scenario", {})
-    what = scenario.get("title") or scenario.get("name", "A run")
+    what = _control(run.get("scenario", {}))
     how = MODES.get(run.get("mode", ""), "")
-    ending = summary.get("ending", "cut off: what follows is as far as it was recorded")
     simulated = summary.get("simulated")
-    span = "" if simulated is None else f"{simulated:g} s simulated"
-    return f"{what}: {' '.join(filter(None, (span, how)))}, {ending}."
+    span = "A run" if simulated is None else f"{simulated:g} s"
+    ending = summary.get("ending", "not ended, shown as far as it goes")
+    return f"{' '.join(filter(None, (span, how, what)))}: {ending}."
+
+
+def _control(scenario: dict[str, Any]) -> str:
+    loop, law = scenario.get("loop"), scenario.get("controller", {}).get("law")
+    if not loop:
+        return ""
+    delay = f"{loop['delay'] * 1e3:g} ms later" if loop["delay"] else "without delay"
+    return f"under the law {law}, sampled every {loop['sample_period'] * 1e3:g} ms and acting {delay}"
 
 
 def run_in_words(recording: Recording) -> str:
@@ -33,15 +40,19 @@ def run_in_words(recording: Recording) -> str:
     summary = recording.metadata.get("summary", {})
     rows = [(METRICS[name].words, value_with_unit(name, value)) for name, value in summary.get("metrics", {}).items()]
     table = ["| | |", "|---|---|", *(f"| {words} | {value} |" for words, value in rows)] if rows else []
-    return "\n".join([sentence(recording), "", *_conditions(recording.metadata.get("run", {})), "", *table])
+    scenario = recording.metadata.get("run", {}).get("scenario", {})
+    title = scenario.get("title") or scenario.get("name", "A run")
+    return "\n".join(
+        [f"**{title}**", "", sentence(recording), "", *_conditions(recording.metadata.get("run", {})), "", *table]
+    )
 
 
 def _conditions(run: dict[str, Any]) -> list[str]:
     scenario = run.get("scenario", {})
-    loop, controller = scenario.get("loop", {}), scenario.get("controller", {})
+    loop = scenario.get("loop", {})
     if not loop:
         return []
     return [
-        f"Sample period {loop['sample_period'] * 1e3:g} ms, delay {loop['delay'] * 1e3:g} ms, "
-        f"measurements every {loop['daq_period'] * 1e3:g} ms, step {loop['step'] * 1e6:g} us; law {controller['law']}."
+        f"Measurements every {loop['daq_period'] * 1e3:g} ms, internal step {loop['step'] * 1e6:g} us, "
+        f"profiles of the pipes every {loop['viewer_period'] * 1e3:g} ms."
     ]
