@@ -42,6 +42,4 @@ def _bare(document: str, name: str) -> str:
     drawing = re.sub(r'id="([^"]+)"', rf'id="{name}-\1"', drawing)
     drawing = re.sub(r'(href="#|url\(#)', rf"\1{name}-", drawing)
     drawing = re.sub(r'width="[\d.]+pt" height="[\d.]+pt"', 'width="100%" role="img"', drawing, count=1)
-    return re.sub(
-        r"font: ([^;\"]*)'DejaVu Sans'[^;\"]*", rf"font: \1{', '.join(map(repr, FONTS[:3]))}, sans-serif", drawing
-    )
+    return re.sub(r"'DejaVu Sans'[^;\"]*", FAMILY, drawing)
