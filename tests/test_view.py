@@ -12,12 +12,22 @@ import pytest
 
 from bridge.recording.reader import read
 from bridge.scenario import ScenarioError, load
-from bridge.view.curves import CURVES, Drawn, samples, span
+from bridge.view.curves import CURVES, PICTURES, Drawn, samples, span
 from bridge.view.rerun import show
 
 ROOT = Path(__file__).parents[1]
 TICKS = 601  # 0.6 s at 1 kHz, with the first
 SAMPLES = 61  # at 10 ms
+UNITS = {  # of what a picture shows, in SI
+    "position_mm": 1e-3,
+    "pressure_bar": 1e5,
+    "valve": 1.0,
+    "flow_l_min": 1e-3 / 60.0,
+    "relief_um": 1e-6,
+    "cavity_cm3": 1e-6,
+    "measured_bar": 1e5,
+    "places_bar": 1e5,
+}
 
 
 @pytest.fixture(scope="module")
@@ -55,8 +65,12 @@ def test_every_curve_is_the_recording_in_the_unit_it_names(view: Path, recorded:
     columns = read(recorded).columns(curve.topic)
     assert len(stamps) == (SAMPLES if curve.topic == "reference" else TICKS)
     assert stamps == columns["stamp"].tolist()
-    unit = {"position_mm": 1e-3, "pressure_bar": 1e5, "valve": 1.0}[curve.picture]
+    unit = UNITS[curve.picture]
     assert np.array(values) * unit == pytest.approx(columns[curve.field], rel=1e-12)
+
+
+def test_every_picture_names_its_unit():
+    assert all(("[" in title and title.endswith("]")) or "[bar]" in title for title in PICTURES.values())
 
 
 def test_piston_starts_at_a_hundred_millimetres(view: Path):
@@ -66,14 +80,15 @@ def test_piston_starts_at_a_hundred_millimetres(view: Path):
 def test_events_stand_at_their_simulated_time(view: Path):
     stamps, text = column(view, "/events", "TextLog:text")
     assert stamps == [0, 600_000_000]
-    assert [line.partition(":")[0] for line in text] == ["started", "ended"]
+    assert [line.partition(" s  ")[2].partition(":")[0] for line in text] == ["started", "ended"]
 
 
 def test_file_carries_its_layout_and_verifies(view: Path):
     command = [sys.executable, "-m", "rerun_cli", "rrd"]
     subprocess.run([*command, "verify", str(view)], check=True, timeout=60, capture_output=True)
     stats = subprocess.run([*command, "stats", str(view)], check=True, timeout=60, capture_output=True, text=True)
-    assert len(set(re.findall(r"^/view/[^/]*/TimeAxis:", stats.stdout, re.MULTILINE))) == 3  # no wall time in process
+    axes = set(re.findall(r"^/view/[^/]*/TimeAxis:", stats.stdout, re.MULTILINE))
+    assert len(axes) == len(PICTURES) - 1  # no wall time in process
 
 
 def test_wall_time_is_shown_in_microseconds_and_only_where_measured():
@@ -95,7 +110,7 @@ def test_axis_holds_the_curves_and_no_constant_is_squeezed():
 
 
 def test_without_rerun_one_line_says_how_to_get_it(recorded: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("bridge.view.rerun.find_spec", lambda name: None)
+    monkeypatch.setattr("bridge.view.program.find_spec", lambda name: None)
     with pytest.raises(ScenarioError, match=re.escape("pip install 'hydrotwin[view]'")) as raised:
         show(recorded, web=False, save=recorded.with_name("never.rrd"))
     assert "\n" not in str(raised.value)

@@ -104,6 +104,8 @@ CHARTS = (
 
 def draw_chart(chart: Chart, runs: Sequence[Run], names: Sequence[str]) -> Any:
     """A matplotlib figure: of one run all lines in one picture; of several a picture a line, the runs in it."""
+    moved = tuple(line for line in chart.lines if any(np.any(run.state[line.field]) for run in runs))
+    chart = chart._replace(lines=moved or chart.lines[:1])
     if len(runs) == 1:
         return _single(chart, runs[0])
     return _overlay(chart, runs, names)

@@ -28,6 +28,7 @@ class Drawing:
         self.stream = stream
         self.run_id = int(manifest["run_id"])
         self.seconds = 0.0  # simulated time drawn
+        self.over = False  # the plant has said that the run has ended
         self._head = recording(Path("live"), [], {"run": manifest})
         scenario = self._head.scenario()
         self._scene = scene_of(scenario)
@@ -50,6 +51,7 @@ class Drawing:
         batch = recording(self._head.path, entries, {})
         self._draw_curves(batch)
         send_events(self.stream, batch)
+        self.over = self.over or any(event.kind == "ended" for event in batch.messages("event"))
         self._draw_rig(entries)
 
     def _draw_curves(self, batch: Recording) -> None:

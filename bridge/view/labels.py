@@ -7,7 +7,7 @@ import numpy as np
 from bridge.view.colours import LEGEND, pressure_colours
 from bridge.view.stage import CAVITY_SCALE, LIFT_SCALE, PUMP, RELIEF_AT, TANK, TEE, UP, VALVE, Stage
 
-PAPER, INK = (228, 232, 238), (150, 158, 170)
+PAPER, INK = (236, 240, 246), (190, 198, 208)
 FRONT, ASIDE = np.array([0.0, -0.03, -0.03]), np.array([0.14, -0.03, 0.03])
 LEGEND_X, LEGEND_LOW, BARS = -0.62, 0.25, 60  # [m], [m], colours; a metre high
 

@@ -17,7 +17,7 @@ from controller.sampling import NS
 WIDTH, HEIGHT = 900.0, 200.0
 MOST_COLUMNS = 1500
 DROP = 16.0  # a label hangs below its point
-INK, FAINT = (190, 196, 206), (110, 118, 130)
+INK, FAINT = (214, 220, 228), (168, 176, 188)
 
 
 def entity(pipe: int) -> str:

@@ -3,6 +3,7 @@
 import json
 import os
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,6 @@ from bridge.bus import Bus
 from bridge.clock import Stop
 from bridge.failure import RunError
 from bridge.link import Link
-from bridge.messages import decode
 from bridge.recording.reader import Entry
 from bridge.scenario import ScenarioError
 from bridge.view.batch import WATCHED, Inbox, run_of
@@ -22,8 +22,8 @@ from bridge.view.screenshot import check_target, screenshot
 
 PERIOD = 0.05  # [s] from batch to batch
 YIELDING = 10  # niceness, Rerun's included: the loop comes first
+LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then it cannot leave, nor in lockstep go on
 FLUSH = 2.0  # [s] that Rerun has to take a batch; then what comes waits, and in the end is left out
-GONE = ("ended", "interrupted", "failed")
 PICTURE_AFTER = 4.0  # [s] of simulated time, unless somebody says when
 
 
@@ -44,7 +44,7 @@ def watch(link: Link, rig: str, options: LiveOptions) -> None:
     if options.picture:
         check_target(options.picture)
     os.nice(YIELDING)
-    with Bus(link, rig, "viewer", blocking=False) as bus:
+    with Bus(link, rig, "viewer", blocking=False, lease=LEASE) as bus:
         live = Live(bus, link.patience, Stop())
         if options.picture:
             at = PICTURE_AFTER if options.at is None else options.at
@@ -66,17 +66,18 @@ def _show(live: "Live", web: bool) -> None:
 
 
 class Live:
-    """What comes from a rig, drawn batch by batch."""
+    """What comes from a rig, drawn batch by batch.
+
+    It takes no status: its last word blocks until all have it, and a stalled viewer would hold the plant.
+    """
 
     def __init__(self, bus: Bus, patience: float, stop: Stop) -> None:
         self.bus = bus
         self.stop = stop
         self.inbox = Inbox()
         self._patience = patience
-        self._over = False  # the plant has said its last word
         for topic in WATCHED:
             bus.subscribe(topic, lambda sample, topic=topic: self.inbox.put(topic, sample))
-        bus.subscribe("status", self._on_status)
 
     def follow(self, program: Program, until: float | None = None, bare: bool = False) -> None:
         """Draw on a Rerun program until it ends, Ctrl-C, or a simulated time [s]; a new run begins a new recording."""
@@ -85,11 +86,13 @@ class Live:
             return program.process.poll() is not None
 
         def finished(drawing: Drawing) -> bool:
-            return closed() or (until is not None and (drawing.seconds >= until or self._over))
+            return closed() or (until is not None and (drawing.seconds >= until or drawing.over))
 
         while not self.stop() and not closed():
-            drawing = Drawing(connected(program, APPLICATION), self._manifest(), bare)
-            self._draw(drawing, finished)
+            manifest = self._manifest(lambda: self.stop() or closed())
+            if manifest is None:
+                return
+            self._draw(Drawing(connected(program, APPLICATION), manifest, bare), finished)
             if until is not None:
                 return
 
@@ -99,12 +102,18 @@ class Live:
 
         if path.suffix != ".rrd":
             raise ScenarioError(f"{path}: Rerun knows its files by their ending; name it {path.with_suffix('.rrd')}")
+        manifest = self._manifest(self.stop)
+        if manifest is None:
+            return
         stream = rr.RecordingStream(APPLICATION)
-        stream.save(path)
-        self._draw(Drawing(stream, self._manifest(), bare=False), lambda _: self._over)
+        try:
+            stream.save(path)
+        except RuntimeError as error:
+            raise ScenarioError(f"cannot write the view: {error}") from None
+        self._draw(Drawing(stream, manifest, bare=False), lambda drawing: drawing.over)
         stream.disconnect()
 
-    def _draw(self, drawing: Drawing, finished: Any) -> None:
+    def _draw(self, drawing: Drawing, finished: Callable[[Drawing], bool]) -> None:
         """Batches of one run, until another one begins."""
         free = True
         while not self.stop():
@@ -120,21 +129,14 @@ class Live:
             if over:
                 return
 
-    def _on_status(self, sample: Any) -> None:
-        try:
-            status = decode(sample.payload.to_bytes(), "status")
-        except ValueError:
-            return
-        if status.role == "plant":
-            self._over = status.phase in GONE
-
-    def _manifest(self) -> dict[str, Any]:
-        answer = self.bus.ask("scenario", self._patience, self.stop)
-        if answer is None:
+    def _manifest(self, stopped: Callable[[], bool]) -> dict[str, Any] | None:
+        """What the plant says of its run; None when somebody has stopped us meanwhile."""
+        answer = self.bus.ask("scenario", self._patience, stopped)
+        if answer is None and not stopped():
             raise RunError(
                 f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig"
             )
-        return json.loads(answer)
+        return None if answer is None else json.loads(answer)
 
 
 def _another(entries: list[Entry], run_id: int) -> bool:

@@ -34,8 +34,8 @@ class Program(NamedTuple):
 
     @property
     def address(self) -> str:
-        """The page to open in a browser; as a notebook it sends no usage statistics."""
-        return f"http://{LOOPBACK}:{self.page}/?url={quote(self.source, safe='')}&notebook=1"
+        """The page to open in a browser: dark, as its colours want it; as a notebook it sends no usage statistics."""
+        return f"http://{LOOPBACK}:{self.page}/?url={quote(self.source, safe='')}&theme=dark&notebook=1"
 
 
 def require_rerun() -> None:

@@ -23,10 +23,9 @@ def route(start: Points, end: Points, length: float, detour: Points) -> Points:
     across = end - start - reach * detour
     gap = float(np.linalg.norm(across))
     out = 0.5 * (length + 2.0 * LOST * BEND - gap - abs(reach))
-    low, high = min(0.0, reach), max(0.0, reach)
-    if out < 2.0 * BEND - (high - low) or gap < 2.0 * BEND:
+    if out < BEND or gap < 2.0 * BEND:
         return np.array([start, end])
-    turn = (high + out) * detour
+    turn = (max(0.0, reach) + out) * detour
     return rounded(np.array([start, start + turn, start + across + turn, end]))
 
 

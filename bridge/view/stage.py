@@ -23,7 +23,7 @@ LIFT_SCALE = 100.0  # of the relief valve's bodies
 CAVITY_SCALE = 3.0  # of the diameter of a cavity's ball
 VALVE, PUMP, TEE, BACK, TANK = (  # [m]
     np.array([0.88, 0.0, 0.92]),
-    np.array([2.42, 0.0, 0.42]),
+    np.array([2.34, 0.0, 0.42]),
     np.array([1.92, 0.0, 0.92]),
     np.array([1.92, 0.0, 0.55]),
     np.array([2.30, 0.0, 0.30]),
