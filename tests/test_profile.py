@@ -32,7 +32,7 @@ def run(scenario: str, *changes: str) -> list:
 
 @pytest.mark.parametrize("model", ["ends", "nodes", "lumped"])
 def test_at_rest_each_line_is_a_straight_line_between_what_its_ends_have(model: str):
-    c = circuit(**pipes(model=model))
+    c = circuit(50e-6, **pipes(model=model))
     state = equilibrium(c, 0.1)
     pressure, cavity = profile(state, c)
     assert pressure[:, [0, -1]].ravel() == pytest.approx(state.ends.pressure, abs=1.0)

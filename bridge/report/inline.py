@@ -27,8 +27,8 @@ def svg(figure: Any, name: str, words: str) -> str:
     import matplotlib as mpl
 
     out = StringIO()
-    style = {"svg.fonttype": "none", "svg.hashsalt": name, "font.family": FONT, "svg.id": name}
-    with mpl.rc_context({key: value for key, value in style.items() if key in mpl.rcParams}):
+    style: dict[Any, Any] = {"svg.fonttype": "none", "svg.hashsalt": name, "font.family": FONT}
+    with mpl.rc_context(style):
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None, "Title": words})
     return _bare(out.getvalue(), name)
 

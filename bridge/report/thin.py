@@ -27,4 +27,5 @@ def thinned(time: Array, values: Array, stretches: int = STRETCHES) -> Course:
     spans = list(pairwise(np.linspace(0, len(time), stretches + 1).astype(int)))
     parts = [values[begin:end] for begin, end in spans]
     middle = np.array([0.5 * (time[begin] + time[end - 1]) for begin, end in spans])
-    return Course(middle, *(np.array([of(part) for part in parts]) for of in (np.mean, np.min, np.max)))
+    mean, least, greatest = (np.array([of(part) for part in parts], float) for of in (np.mean, np.min, np.max))
+    return Course(middle, mean, least, greatest)

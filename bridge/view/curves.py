@@ -26,7 +26,6 @@ LIVE = {  # what the axes hold before anybody knows
     "pressure_bar": (-5.0, 85.0),
     "valve": (-1.1, 1.1),
     "flow_l_min": (-70.0, 50.0),
-    "measured_bar": (-5.0, 85.0),
     "places_bar": (-5.0, 85.0),
 }
 MARGIN = 0.06  # of an axis, above and below its curves

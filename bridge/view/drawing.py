@@ -8,6 +8,7 @@ import numpy as np
 
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.view import length_time
+from bridge.view.batch import WATCHED
 from bridge.view.content import begin, scene_of, send_curve, send_events
 from bridge.view.curves import CURVES, LIVE, samples
 from bridge.view.frames import Frames, frames
@@ -38,7 +39,8 @@ class Drawing:
         self._begin(manifest["mode"] == "realtime", bare)
 
     def _begin(self, wall: bool, bare: bool) -> None:
-        shown = {curve.picture for curve in CURVES if wall or curve.topic != "timing"}
+        topics = {*WATCHED} if wall else {*WATCHED} - {"timing"}
+        shown = {curve.picture for curve in CURVES if curve.topic in topics}
         self.stream.send_blueprint(layout(shown, LIVE, follow=SPAN, bare=bare))
         begin(self.stream, self._head)
         stand(self.stream, self._scene)

@@ -14,14 +14,13 @@ from bridge.failure import RunError
 from bridge.link import Link
 from bridge.recording.reader import Entry
 from bridge.scenario import ScenarioError
-from bridge.view.batch import WATCHED, Inbox, run_of
+from bridge.view.batch import inbox, run_of
 from bridge.view.content import APPLICATION
 from bridge.view.drawing import Drawing
 from bridge.view.program import Program, connected, require_rerun, server, window
 from bridge.view.screenshot import check_target, screenshot
 
 PERIOD = 0.05  # [s] from batch to batch
-YIELDING = 10  # niceness, Rerun's included: the loop comes first
 LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then it cannot leave, nor in lockstep go on
 FLUSH = 2.0  # [s] that Rerun has to take a batch; then what comes waits, and in the end is left out
 PICTURE_AFTER = 4.0  # [s] of simulated time, unless somebody says when
@@ -43,9 +42,9 @@ def watch(link: Link, rig: str, options: LiveOptions) -> None:
     require_rerun()
     if options.picture:
         check_target(options.picture)
-    os.nice(YIELDING)
     with Bus(link, rig, "viewer", blocking=False, lease=LEASE) as bus:
         live = Live(bus, link.patience, Stop())
+        _yield_to_all()
         if options.picture:
             at = PICTURE_AFTER if options.at is None else options.at
             screenshot(options.picture, lambda program: live.follow(program, until=at, bare=True))
@@ -74,10 +73,8 @@ class Live:
     def __init__(self, bus: Bus, patience: float, stop: Stop) -> None:
         self.bus = bus
         self.stop = stop
-        self.inbox = Inbox()
+        self.inbox = inbox(bus)
         self._patience = patience
-        for topic in WATCHED:
-            bus.subscribe(topic, lambda sample, topic=topic: self.inbox.put(topic, sample))
 
     def follow(self, program: Program, until: float | None = None, bare: bool = False) -> None:
         """Draw on a Rerun program until it ends, Ctrl-C, or a simulated time [s]; a new run begins a new recording."""
@@ -139,9 +136,17 @@ class Live:
         return None if answer is None else json.loads(answer)
 
 
+def _yield_to_all() -> None:
+    """Draw, and Rerun with us, only where nobody else wants the processor: the loop comes first.
+
+    Not so Zenoh's threads, which are there already: what they leave on the wire, the plant would wait for.
+    """
+    os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+
+
 def _another(entries: list[Entry], run_id: int) -> bool:
-    """Has another run begun? Its measurements say so."""
-    return any(entry.topic == "measurement" and run_of(entry) != run_id for entry in entries[-1000:])
+    """Has another run begun? Its states say so."""
+    return any(entry.topic == "state" and run_of(entry) != run_id for entry in entries[-1000:])
 
 
 def _flushed(stream: Any, patience: float) -> bool:
