@@ -1,14 +1,12 @@
 """The valve of the scenario valve-slam shuts within a millisecond: what the pressure waves in the lines must show."""
 
-import math
 
-import numpy as np
 import pytest
 
 from bridge.scenario import load
-from tests.exact_line import Pipe, answers, invert
-from tests.plant import BAR, SMOOTH, Array, circuit, joined, pipes, watched
-from twin.circuit import Circuit, P
+from tests.exact_line import Pipe
+from tests.plant import SMOOTH, Array, circuit, watched
+from twin.circuit import Circuit
 from twin.equilibrium import equilibrium
 from twin.state import State
 
