@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: setup run test bench check endurance recordings lock clean
+.PHONY: setup run test bench check endurance recordings pictures lock clean
 
 setup: $(READY)
 
@@ -36,6 +36,9 @@ endurance: $(READY)  ## the long trials
 
 recordings: $(READY)  ## renew the golden recordings; say in the change what moved and why
 	$(BIN)/python -m recordings.renew
+
+pictures: $(READY)  ## renew the pictures of report and view; needs chromium, chromium-driver, mesa-vulkan-drivers
+	$(BIN)/python -m recordings.pictures
 
 lock: $(READY)  ## pin what pyproject.toml asks for; the file holds no addresses
 	$(BIN)/python -m pip install --quiet uv

@@ -36,10 +36,10 @@ def stamp_of(sample: Any) -> tuple[int, int] | None:
 class Bus:
     """One process's place on the bus of a rig. Use as a context manager."""
 
-    def __init__(self, link: Link, rig_name: str, role: str, blocking: bool) -> None:
+    def __init__(self, link: Link, rig_name: str, role: str, blocking: bool, lease: float | None = None) -> None:
         self.rig_name = rig_name
         self.role = role
-        self.session = open_session(link)
+        self.session = open_session(link, lease=lease)
         self.present: dict[str, set[str]] = {}
         self.changed = threading.Condition()
         self._publishers: dict[str, Any] = {}

@@ -29,12 +29,16 @@ class Link(NamedTuple):
     patience: float  # seconds to wait for the other side to appear
 
 
-def open_session(link: Link, mode: str | None = None) -> Any:
+def open_session(link: Link, mode: str | None = None, lease: float | None = None) -> Any:
     """A Zenoh session: peer where it listens, else client, unless `mode` is given.
+
+    lease: after so many seconds of silence the others give this one up; Zenoh's own is 10 s.
 
     Raises LinkError when the address is taken, nobody answers, or the configuration is wrong.
     """
     config = _configuration(link, mode)
+    if lease is not None:
+        config.insert_json5("transport/link/tx/lease", str(round(lease * 1000)))
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:

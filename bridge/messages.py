@@ -11,6 +11,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from twin.block import OBSERVED
+from twin.profile import HOLLOWS, PLACES
 
 PACKAGE = "hydrotwin_msgs/msg"
 
@@ -74,6 +75,18 @@ int64 apply_at    # when the command was to act [ns], else 0
 int64 applied_at  # when it acted [ns], else 0
 string text
 """,
+    "LineProfile": f"""\
+# Pressure along the six lines, and where there is a cavity.
+uint64 run_id
+uint64 sequence
+uint64 tick
+int64 stamp          # simulated [ns]
+uint64 places        # in a line ({PLACES}), evenly spaced from its first end, behind a fitting, to its second
+float64[] pressure   # [Pa] gauge, line after line, in each place after place: that of line i at place j, from 0,
+                     # is pressure[i * places + j]
+float64[] cavity     # [m^3] of vapour, in this order: {", ".join(HOLLOWS[:2])} (chambers);
+                     # {", ".join(HOLLOWS[2:9])} (line ends); {HOLLOWS[9]} .. {HOLLOWS[-1]} (inside)
+""",
     "Status": """\
 # How a process is doing.
 uint64 run_id
@@ -117,6 +130,7 @@ TOPICS: dict[str, Topic] = {
         Topic("pressure/p1", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
         Topic("pressure/p2", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
         Topic("pressure/p3", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
+        Topic("lines", _own("LineProfile"), "plant", "viewer period", True, False),
         Topic("timing", _own("LoopTiming"), "plant", "DAQ period, real time only", False, False),
         Topic(
             "status",
@@ -141,6 +155,7 @@ Measurement: Any = STORE.types[_own("Measurement")]
 ValveCommand: Any = STORE.types[_own("ValveCommand")]
 Reference: Any = STORE.types[_own("Reference")]
 PlantState: Any = STORE.types[_own("PlantState")]
+LineProfile: Any = STORE.types[_own("LineProfile")]
 LoopTiming: Any = STORE.types[_own("LoopTiming")]
 Event: Any = STORE.types[_own("Event")]
 Status: Any = STORE.types[_own("Status")]
@@ -184,6 +199,12 @@ def encoding(kind: str) -> str:
 def definition(kind: str) -> str:
     """The `.msg` text of a type, with those it needs: a `ros2msg` schema."""
     return STORE.generate_msgdef(kind, ros_version=2)[0]
+
+
+def described(kind: str) -> str:
+    """The `.msg` text of a type for people: ours with its comments."""
+    own = (LOOP_MESSAGES | OTHER_MESSAGES).get(kind.removeprefix(f"{PACKAGE}/"))
+    return definition(kind) if own is None else own
 
 
 def type_hash(kind: str) -> str:

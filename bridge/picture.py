@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from bridge.recording.columns import reference_at
+from bridge.recording.columns import reference_at, relief_moved, vapour
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
-from bridge.view.curves import happened, vapour
 from controller.sampling import NS
 
 MOST_POINTS = 20_000
+LEAST_VAPOUR = 1e-8  # [m^3], less is no cavity to look at
 
 
 def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
@@ -24,9 +24,8 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
     state = recording.columns("state")
     thin = slice(None, None, max(1, len(state["stamp"]) // MOST_POINTS))
     timing = recording.columns("timing")
-    shown = happened(state)
-    rows = [_position, _pressures, _valve]
-    rows += [row for row, picture in ((_relief, "relief_l_min"), (_vapour, "vapour_cm3")) if shown[picture]]
+    happened = ((_relief, relief_moved(state)), (_vapour, vapour(state).max() > LEAST_VAPOUR))
+    rows = [_position, _pressures, _valve, *(row for row, shown in happened if shown)]
     state = {name: values[thin] for name, values in state.items()}
     heights = [HEIGHTS.get(row, 2.4) for row in rows] + [2.4] * bool(len(timing["tick"]))
     figure = Figure(figsize=(10, sum(heights)), dpi=120, layout="constrained")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from bridge.line_profiles import LineProfiles
 from bridge.messages import (
     TOPICS,
     Event,
@@ -59,6 +60,7 @@ class PlantSide:
         self._noise = noise_block(scenario.seed, 0)
         self._reading = np.zeros(5)
         self._observed = np.zeros(len(OBSERVED))
+        self._lines = LineProfiles(run_id, self._circuit)
         self._notes: list[Note] = []
         acquire(self._taps, self._noise[0], self._card, loop.step, self._reading)  # compiled before the clock starts
         self._run(SAFE, 0)
@@ -209,6 +211,7 @@ class PlantSide:
         for tap in ("p1", "p2", "p3"):
             topic = f"pressure/{tap}"
             out.append(Outgoing(topic, self.now, self._count(topic), FluidPressure(header, getattr(m, tap), 0.0)))
+        out.append(self._lines.message(self._state, self._count("lines"), self.tick_number, self.now))
         return out
 
 

@@ -15,12 +15,22 @@ from bridge.inprocess import record_in_process
 from bridge.picture import draw as picture
 from bridge.recording.reader import Recording, read
 from bridge.scenario import ScenarioError, load
-from bridge.view.curves import CURVES, HAPPENINGS, Drawn, draw, samples, span
+from bridge.view.curves import CURVES, PICTURES, Drawn, samples, span
 from bridge.view.rerun import show
 
 ROOT = Path(__file__).parents[1]
 TICKS = 601  # 0.6 s at 1 kHz, with the first
 SAMPLES = 61  # at 10 ms
+UNITS = {  # of what a picture shows, in SI
+    "position_mm": 1e-3,
+    "pressure_bar": 1e5,
+    "valve": 1.0,
+    "flow_l_min": 1e-3 / 60.0,
+    "relief_um": 1e-6,
+    "cavity_cm3": 1e-6,
+    "measured_bar": 1e5,
+    "places_bar": 1e5,
+}
 
 
 @pytest.fixture(scope="module")
@@ -58,47 +68,12 @@ def test_every_curve_is_the_recording_in_the_unit_it_names(view: Path, recorded:
     columns = read(recorded).columns(curve.topic)
     assert len(stamps) == (SAMPLES if curve.topic == "reference" else TICKS)
     assert stamps == columns["stamp"].tolist()
-    unit = {"position_mm": 1e-3, "pressure_bar": 1e5, "valve": 1.0}[curve.picture]
+    unit = UNITS[curve.picture]
     assert np.array(values) * unit == pytest.approx(columns[curve.field], rel=1e-12)
 
 
-@pytest.fixture(scope="module")
-def eventful(tmp_path_factory: pytest.TempPathFactory) -> Recording:
-    """The load change until the relief valve has opened and shut."""
-    path = tmp_path_factory.mktemp("view") / "eventful.mcap"
-    return record_in_process(load("load-change", ["duration=1.2 s"]), path)
-
-
-def test_relief_valve_and_vapour_are_shown_where_they_happened(recorded: Path, eventful: Recording):
-    """A rig at rest, its relief valve steadily open, has neither picture; the load change has both, as recorded."""
-    extra = {curve.picture for curve in HAPPENINGS}
-    assert extra.isdisjoint(drawn.curve.picture for drawn in draw(read(recorded)))
-    shown = {drawn.curve.entity: drawn.values for drawn in draw(eventful)}
-    state = eventful.columns("state")
-    assert shown["relief_l_min/flow"] == pytest.approx(6e4 * state["flow_relief"])
-    assert shown["relief_um/pilot"] == pytest.approx(1e6 * state["relief_pilot"])
-    assert shown["relief_um/main_stage"] == pytest.approx(1e6 * state["relief_spool"])
-    cavities = [values for name, values in state.items() if name.startswith("cavity_")]
-    assert len(cavities) == 10
-    assert shown["vapour_cm3/vapour"] == pytest.approx(1e6 * sum(cavities))
-    assert shown["vapour_cm3/vapour"].max() > 1.0
-
-
-def test_the_eventful_view_is_written_with_its_pictures(eventful: Recording, tmp_path: Path):
-    pytest.importorskip("rerun")
-    show(eventful.path, web=False, save=tmp_path / "a.rrd")
-    for curve in HAPPENINGS:
-        assert len(column(tmp_path / "a.rrd", f"/{curve.entity}", "Scalars:scalars")[0]) == 1201
-
-
-@pytest.mark.parametrize(("length", "happening"), [(0.9, False), (1.2, True)])
-def test_the_picture_of_a_run_has_further_rows_only_where_something_happened(
-    length: float, happening: bool, eventful: Recording, tmp_path: Path
-):
-    """Three rows of 2.4 inch at 120 dots; relief valve and vapour add theirs."""
-    recording = eventful if happening else record_in_process(load("step", [f"duration={length}"]), tmp_path / "a.mcap")
-    height = struct.unpack(">I", picture(recording, recording.scenario(), tmp_path / "a.png").read_bytes()[20:24])[0]
-    assert (height > 3 * 2.4 * 120 + 1) == happening
+def test_every_picture_names_its_unit():
+    assert all(("[" in title and title.endswith("]")) or "[bar]" in title for title in PICTURES.values())
 
 
 def test_piston_starts_at_a_hundred_millimetres(view: Path):
@@ -108,14 +83,15 @@ def test_piston_starts_at_a_hundred_millimetres(view: Path):
 def test_events_stand_at_their_simulated_time(view: Path):
     stamps, text = column(view, "/events", "TextLog:text")
     assert stamps == [0, 600_000_000]
-    assert [line.partition(":")[0] for line in text] == ["started", "ended"]
+    assert [line.partition(" s  ")[2].partition(":")[0] for line in text] == ["started", "ended"]
 
 
 def test_file_carries_its_layout_and_verifies(view: Path):
     command = [sys.executable, "-m", "rerun_cli", "rrd"]
     subprocess.run([*command, "verify", str(view)], check=True, timeout=60, capture_output=True)
     stats = subprocess.run([*command, "stats", str(view)], check=True, timeout=60, capture_output=True, text=True)
-    assert len(set(re.findall(r"^/view/[^/]*/TimeAxis:", stats.stdout, re.MULTILINE))) == 3  # no wall time in process
+    axes = set(re.findall(r"^/view/[^/]*/TimeAxis:", stats.stdout, re.MULTILINE))
+    assert len(axes) == len(PICTURES) - 1  # no wall time in process
 
 
 def test_wall_time_is_shown_in_microseconds_and_only_where_measured():
@@ -137,7 +113,7 @@ def test_axis_holds_the_curves_and_no_constant_is_squeezed():
 
 
 def test_without_rerun_one_line_says_how_to_get_it(recorded: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("bridge.view.rerun.find_spec", lambda name: None)
+    monkeypatch.setattr("bridge.view.program.find_spec", lambda name: None)
     with pytest.raises(ScenarioError, match=re.escape("pip install 'hydrotwin[view]'")) as raised:
         show(recorded, web=False, save=recorded.with_name("never.rrd"))
     assert "\n" not in str(raised.value)
@@ -208,3 +184,20 @@ def test_cut_off_recording_shows_what_came_before(recorded: Path, tmp_path: Path
     assert 0 < kept < TICKS
     show(cut, web=False, save=tmp_path / "cut.rrd")
     assert len(column(tmp_path / "cut.rrd", "/position_mm/piston", "Scalars:scalars")[0]) == kept
+
+
+@pytest.fixture(scope="module")
+def eventful(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    """The load change until the relief valve has opened and shut."""
+    path = tmp_path_factory.mktemp("view") / "eventful.mcap"
+    return record_in_process(load("load-change", ["duration=1.2 s"]), path)
+
+
+@pytest.mark.parametrize(("length", "happening"), [(0.9, False), (1.2, True)])
+def test_the_picture_of_a_run_has_further_rows_only_where_something_happened(
+    length: float, happening: bool, eventful: Recording, tmp_path: Path
+):
+    """Three rows of 2.4 inch at 120 dots; relief valve and vapour add theirs."""
+    recording = eventful if happening else record_in_process(load("step", [f"duration={length}"]), tmp_path / "a.mcap")
+    height = struct.unpack(">I", picture(recording, recording.scenario(), tmp_path / "a.png").read_bytes()[20:24])[0]
+    assert (height > 3 * 2.4 * 120 + 1) == happening

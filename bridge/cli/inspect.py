@@ -1,4 +1,4 @@
-"""Verbs that look: describe, convergence, digest, messages, figure, figures, view, doctor."""
+"""Verbs that look: describe, convergence, digest, messages, figure, figures, doctor."""
 
 from itertools import groupby
 from pathlib import Path
@@ -7,8 +7,6 @@ from typing import Annotated
 import typer
 
 from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, print_json
-
-FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
 
 
 def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
@@ -73,7 +71,7 @@ def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap."
 def messages(as_json: AS_JSON = False) -> None:
     """Print every key, type, rate, `.msg` text and `struct` format."""
     from bridge.cli.report import print_table
-    from bridge.messages import TOPICS, definition, field_names, struct_format
+    from bridge.messages import TOPICS, definition, described, field_names, struct_format
 
     rows = [
         (
@@ -95,8 +93,8 @@ def messages(as_json: AS_JSON = False) -> None:
         print_json({"messages": plain, "definitions": types, "fields": fields})
         return
     print_table(keys, rows)
-    for kind, text in types.items():
-        print(f"\n# {kind}\n{text.rstrip()}")
+    for kind in types:
+        print(f"\n# {kind}\n{described(kind).rstrip()}")
     print("\nPayloads are CDR, little endian: 4 bytes of header (00 01 00 00), then the fields in order.")
 
 
@@ -135,17 +133,6 @@ def figures(as_json: AS_JSON = False) -> None:
         print_json([{"name": name, "title": title} for name, title in rows])
     else:
         print_table(("name", "title"), rows)
-
-
-def view(
-    file: FILE,
-    web: Annotated[bool, typer.Option("--web", help="Serve it to a browser instead of opening a window.")] = False,
-    save: Annotated[Path | None, typer.Option(help="Write a Rerun file, .rrd, and open nothing.")] = None,
-) -> None:
-    """Show a recording in Rerun: position and reference, pressures, valve, timing."""
-    from bridge.view.rerun import show
-
-    show(file, web, save)
 
 
 def doctor(as_json: AS_JSON = False) -> None:

@@ -1,6 +1,6 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
-from bridge.cli import inspect, processes, running
+from bridge.cli import inspect, looking, processes, running
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {
@@ -10,7 +10,8 @@ PANELS = {
         running.schema,
         inspect.describe,
         inspect.convergence,
-        inspect.view,
+        looking.view,
+        looking.report,
         inspect.digest,
         inspect.messages,
         inspect.figures,

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from bridge.figures.canvas import Columns
 from bridge.inprocess import exchange, sides
+from bridge.recording.columns import vapour
 from bridge.scenario import Scenario, load
-from bridge.view.curves import vapour
 from twin.block import OBSERVED
 from twin.build import build
 from twin.reading import moments

@@ -1,6 +1,9 @@
 """A run's signals on one time base, for metrics and pictures."""
 
+from collections.abc import Mapping
+
 import numpy as np
+from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
@@ -30,3 +33,14 @@ def reference_at(time: np.ndarray, scenario: Scenario) -> np.ndarray:
         return np.full(len(time), np.nan)
     reference = scenario.reference.reference()
     return np.array([evaluate(reference, float(t)).position for t in time])
+
+
+def vapour(state: Mapping[str, NDArray]) -> NDArray[np.float64]:
+    """Volume of all cavities [m^3] at every stamp."""
+    return np.sum([values for name, values in state.items() if name.startswith("cavity_")], axis=0)
+
+
+def relief_moved(state: Mapping[str, NDArray]) -> bool:
+    """Did the relief valve open or shut?"""
+    passing = state["flow_relief"] > 0.0
+    return bool(passing.any() and not passing.all())

@@ -1,4 +1,4 @@
-"""What a recording becomes in Rerun: curves and events on simulated time, and how they are laid out."""
+"""What a recording becomes in Rerun: the rig, maps of its pipes, curves and events on simulated time."""
 
 from pathlib import Path
 from typing import Any
@@ -6,27 +6,23 @@ from typing import Any
 import numpy as np
 
 from bridge.recording.reader import Recording
-from bridge.scenario import ScenarioError
-from bridge.view.curves import PICTURES, Curve, Drawn, draw, span
+from bridge.scenario import Scenario, ScenarioError
+from bridge.view import length_time
+from bridge.view.curves import CURVES, Curve, draw, span
+from bridge.view.frames import Frames, frames
+from bridge.view.layout import EVENTS, RUN, layout
+from bridge.view.motion import move
+from bridge.view.scene import stand
+from bridge.view.stage import Stage, stage
+from bridge.view.timeline import time_column
+from bridge.view.words import LINE_ENDS, run_in_words
 
 APPLICATION = "hydrotwin"
-TIMELINE = "sim_time"
-EVENTS = "events"
 GRAVE = ("late", "refused", "safe")  # kinds of events that a run should not have
-SHARES = {
-    "position_mm": 3,
-    "pressure_bar": 4,
-    "valve": 2.5,
-    "wall_time_us": 2.5,
-    EVENTS: 3,
-    "relief_l_min": 2,
-    "relief_um": 2,
-    "vapour_cm3": 2,
-}  # of the height
 
 
 def write(recording: Recording, path: Path) -> Path:
-    """Write a recording's curves, events and layout as a Rerun file and return its path."""
+    """Write a recording's view as a Rerun file and return its path."""
     import rerun as rr
 
     if path.suffix != ".rrd":
@@ -40,70 +36,79 @@ def write(recording: Recording, path: Path) -> Path:
     return path
 
 
-def send(stream: Any, recording: Recording) -> None:
-    """Send everything to where the stream leads, and close it."""
+def send(stream: Any, recording: Recording, bare: bool = False) -> None:
+    """Send everything to where the stream leads, and close it; `bare`: to be printed."""
     curves = draw(recording)
-    stream.send_blueprint(_layout(curves))
-    stream.send_recording_name(_title(recording))
-    for curve in curves:
-        _send_curve(stream, *curve)
-    _send_events(stream, recording)
+    shown = {drawn.curve.picture for drawn in curves}
+    stream.send_blueprint(layout(shown, {name: span(curves, name) for name in shown}, bare=bare))
+    begin(stream, recording)
+    for curve, stamps, values in curves:
+        send_curve(stream, curve, stamps, values)
+    send_events(stream, recording)
+    _send_rig(stream, recording)
     stream.flush()
     stream.disconnect()
 
 
-def _title(recording: Recording) -> str:
-    scenario = recording.metadata.get("run", {}).get("scenario", {})
-    return ": ".join(filter(None, (recording.path.stem, scenario.get("title") or scenario.get("name"))))
-
-
-def _send_curve(stream: Any, curve: Curve, stamps: Any, values: Any) -> None:
+def begin(stream: Any, recording: Recording) -> None:
+    """Name the run, style its curves, say what it is."""
     import rerun as rr
 
-    mode = "StepAfter" if curve.held else "Linear"
-    style = rr.SeriesLines(colors=curve.colour, widths=curve.width, names=curve.label, interpolation_mode=mode)
-    stream.log(curve.entity, style, static=True)
-    stream.send_columns(curve.entity, [_time(stamps)], rr.Scalars.columns(scalars=values))
+    stream.send_recording_name(_title(recording))
+    for curve in CURVES:
+        mode = "StepAfter" if curve.held else "Linear"
+        style = rr.SeriesLines(colors=curve.colour, widths=curve.width, names=curve.label, interpolation_mode=mode)
+        stream.log(curve.entity, style, static=True)
+    text = rr.TextDocument(run_in_words(recording), media_type=rr.MediaType.MARKDOWN)
+    stream.log(RUN, text, static=True)
 
 
-def _send_events(stream: Any, recording: Recording) -> None:
+def send_curve(stream: Any, curve: Curve, stamps: Any, values: Any) -> None:
+    """Send points of a curve."""
+    import rerun as rr
+
+    stream.send_columns(curve.entity, [time_column(stamps)], rr.Scalars.columns(scalars=values))
+
+
+def send_events(stream: Any, recording: Recording) -> None:
+    """Send a recording's events as text."""
     import rerun as rr
 
     events = recording.messages("event")
     if not events:
         return
-    text = [f"{event.kind}: {event.text}" for event in events]
+    text = [f"{event.stamp / 1e9:9.3f} s  {event.kind}: {event.text}" for event in events]
     level = ["WARN" if event.kind in GRAVE else "INFO" for event in events]
     stamps = np.array([event.stamp for event in events])
-    stream.send_columns(EVENTS, [_time(stamps)], rr.TextLog.columns(text=text, level=level))
+    stream.send_columns(EVENTS, [time_column(stamps)], rr.TextLog.columns(text=text, level=level))
 
 
-def _time(stamps: Any) -> Any:
-    import rerun as rr
-
-    return rr.TimeColumn(TIMELINE, duration=stamps.astype("timedelta64[ns]"))
-
-
-def _layout(curves: list[Drawn]) -> Any:
-    """The pictures that have a curve, one above the other on a common time axis, and the events below."""
-    import rerun.blueprint as rrb
-
-    names = [name for name in PICTURES if any(drawn.curve.picture == name for drawn in curves)]
-    columns = rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"])
-    log = rrb.TextLogView(origin=EVENTS, name="events", columns=columns)
-    views = [_picture(name, curves) for name in names]
-    rows = rrb.Vertical(*views, log, row_shares=[SHARES[name] for name in (*names, EVENTS)])
-    panel = rrb.TimePanel(timeline=TIMELINE, play_state="paused", state="collapsed")
-    return rrb.Blueprint(rows, panel, collapse_panels=True)
+def _send_rig(stream: Any, recording: Recording) -> None:
+    """The rig in 3-D and the maps of its pipes; a file without a scenario or a state has none."""
+    if "run" not in recording.metadata:
+        return
+    scene, shown = scene_of(recording.scenario()), frames(recording)
+    if not len(shown.stamps):
+        return
+    stand(stream, scene)
+    move(stream, scene, shown)
+    for pipe in range(len(scene.pipes)):
+        _send_map(stream, pipe, scene, shown)
 
 
-def _picture(name: str, curves: list[Drawn]) -> Any:
-    import rerun.blueprint as rrb
+def _send_map(stream: Any, pipe: int, scene: Stage, shown: Frames) -> None:
+    first, last = length_time.seconds(shown.stamps)
+    length = scene.pipes[pipe].length
+    length_time.frame(stream, pipe, length, first, last, "simulated time [s]", LINE_ENDS[pipe])
+    length_time.draw(stream, pipe, shown.pressure[:, pipe])
+    length_time.cursor(stream, pipe, shown.stamps)
 
-    return rrb.TimeSeriesView(
-        origin=name,
-        name=PICTURES[name],
-        axis_x=rrb.TimeAxis(link="LinkToGlobal"),
-        axis_y=rrb.ScalarAxis(range=span(curves, name)),
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
-    )
+
+def scene_of(scenario: Scenario) -> Stage:
+    """The stage of a scenario's rig."""
+    return stage(scenario.rig_values())
+
+
+def _title(recording: Recording) -> str:
+    scenario = recording.metadata.get("run", {}).get("scenario", {})
+    return ": ".join(filter(None, (recording.path.stem, scenario.get("title") or scenario.get("name"))))

@@ -1,6 +1,5 @@
 """Which curves a recording shows: in which picture, from which message, in the units people read."""
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -8,20 +7,27 @@ from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
 
-BAR, MM, US, PLAIN = 1e-5, 1e3, 1e-3, 1.0
-UM, CM3, L_MIN = 1e6, 1e6, 6e4
+BAR, MM, US, PER_MINUTE, UM, CM3, PLAIN = 1e-5, 1e3, 1e-3, 6e4, 1e6, 1e6, 1.0
 PICTURES = {
     "position_mm": "position [mm]",
-    "pressure_bar": "pressure [bar]: p1 relief valve, p2 lower chamber, p3 upper chamber",
+    "pressure_bar": "pressure [bar]: p1 at the relief valve, p2 lower chamber, p3 upper chamber",
     "valve": "valve [of full travel]",
-    "relief_l_min": "flow over the relief valve [l/min]",
-    "relief_um": "lifts in the relief valve [um]",
-    "vapour_cm3": "vapour in all cavities [cm^3]",
+    "flow_l_min": "flow [l/min]",
     "wall_time_us": "wall time [us]",
+    "relief_um": "relief lifts [um]",
+    "cavity_cm3": "cavities [cm^3]",
+    "measured_bar": "measured [bar]",
+    "places_bar": "all places [bar]",
 }
 BLUE, ORANGE, RED, GREY = (76, 146, 230), (240, 150, 50), (225, 85, 85), (150, 150, 150)
-LEAST_VAPOUR = 1e-8  # [m^3], less is no cavity to look at
-PALE_BLUE, PALE_ORANGE, GREEN = (60, 90, 130), (130, 95, 50), (95, 185, 110)
+PALE_BLUE, PALE_ORANGE, GREEN, VIOLET = (60, 90, 130), (130, 95, 50), (95, 185, 110), (180, 120, 230)
+LIVE = {  # what the axes hold before anybody knows
+    "position_mm": (-10.0, 280.0),
+    "pressure_bar": (-5.0, 85.0),
+    "valve": (-1.1, 1.1),
+    "flow_l_min": (-70.0, 50.0),
+    "places_bar": (-5.0, 85.0),
+}
 MARGIN = 0.06  # of an axis, above and below its curves
 
 
@@ -47,39 +53,50 @@ class Curve(NamedTuple):
 CURVES = (
     Curve("position_mm", "reference", "reference", "reference", "position", MM, GREY, 1.5, held=True),
     Curve("position_mm", "piston", "piston", "state", "position", MM, BLUE, 2.0),
-    Curve("pressure_bar", "p2_measured", "p2", "measurement", "p2", BAR, PALE_BLUE, 1.0),
-    Curve("pressure_bar", "p3_measured", "p3", "measurement", "p3", BAR, PALE_ORANGE, 1.0),
-    Curve("pressure_bar", "p1_measured", "p1", "measurement", "p1", BAR, GREY, 1.0),
-    Curve("pressure_bar", "p_lower", "p2 true", "state", "p_lower", BAR, BLUE, 1.5),
-    Curve("pressure_bar", "p_upper", "p3 true", "state", "p_upper", BAR, ORANGE, 1.5),
+    Curve("measured_bar", "p2", "p2", "measurement", "p2", BAR, BLUE, 1.0),
+    Curve("measured_bar", "p3", "p3", "measurement", "p3", BAR, ORANGE, 1.0),
+    Curve("measured_bar", "p1", "p1", "measurement", "p1", BAR, RED, 1.0),
+    Curve("pressure_bar", "p1", "p1", "state", "p1", BAR, RED, 1.5),
+    Curve("pressure_bar", "p_lower", "p2", "state", "p_lower", BAR, BLUE, 1.5),
+    Curve("pressure_bar", "p_upper", "p3", "state", "p_upper", BAR, ORANGE, 1.5),
     Curve("valve", "command", "command", "state", "reference", PLAIN, GREY, 1.0, held=True),
     Curve("valve", "spool", "spool", "state", "spool", PLAIN, RED, 1.5),
+    Curve("flow_l_min", "pump", "pump", "state", "flow_pump", PER_MINUTE, GREY, 1.0),
+    Curve("flow_l_min", "relief", "relief valve", "state", "flow_relief", PER_MINUTE, RED, 1.5),
+    Curve("flow_l_min", "lower", "to the lower chamber", "state", "flow_3", PER_MINUTE, BLUE, 1.5),
+    Curve("flow_l_min", "upper", "to the upper chamber", "state", "flow_4", PER_MINUTE, ORANGE, 1.5),
+    Curve("relief_um", "spool", "main spool", "state", "relief_spool", UM, BLUE, 1.5),
+    Curve("relief_um", "pilot", "pilot poppet", "state", "relief_pilot", UM, RED, 1.5),
+    *(
+        Curve("cavity_cm3", name, words, "state", f"cavity_{name}", CM3, colour, 1.5)
+        for name, words, colour in (
+            ("lower", "lower chamber", BLUE),
+            ("upper", "upper chamber", ORANGE),
+            ("a", "port A", PALE_BLUE),
+            ("b", "port B", PALE_ORANGE),
+            ("t", "port T", GREEN),
+            ("return", "return tee", GREY),
+            ("tee", "tee of the relief valve", RED),
+            ("lines", "inside the lines", VIOLET),
+        )
+    ),
+    *(
+        Curve("places_bar", name, words, "state", name, BAR, colour, 1.0)
+        for name, words, colour in (
+            ("p_pump", "pump", GREY),
+            ("p1", "tee, p1", RED),
+            ("p_p", "port P", VIOLET),
+            ("p_a", "port A", PALE_BLUE),
+            ("p_lower", "lower chamber, p2", BLUE),
+            ("p_b", "port B", PALE_ORANGE),
+            ("p_upper", "upper chamber, p3", ORANGE),
+            ("p_t", "port T", GREEN),
+            ("p_return", "return tee", (200, 200, 120)),
+        )
+    ),
     Curve("wall_time_us", "lateness", "lateness of the tick", "timing", "lateness", US, GREEN, 1.0),
     Curve("wall_time_us", "round_trip", "measurement to command", "timing", "round_trip", US, ORANGE, 1.0),
 )
-
-HAPPENINGS = (  # shown where something happened
-    Curve("relief_l_min", "flow", "flow", "state", "flow_relief", L_MIN, BLUE, 1.5),
-    Curve("relief_um", "pilot", "pilot", "state", "relief_pilot", UM, ORANGE, 1.0),
-    Curve("relief_um", "main_stage", "main stage", "state", "relief_spool", UM, BLUE, 1.5),
-    Curve("vapour_cm3", "vapour", "vapour", "state", "vapour", CM3, RED, 1.5),
-)
-
-
-def vapour(state: Mapping[str, NDArray]) -> NDArray[np.float64]:
-    """Volume of all cavities [m^3] at every stamp."""
-    return np.sum([values for name, values in state.items() if name.startswith("cavity_")], axis=0)
-
-
-def happened(state: Mapping[str, NDArray]) -> dict[str, bool]:
-    """By picture, whether a run has anything to show in it: the relief valve opened or shut, oil became vapour."""
-    passing = state["flow_relief"] > 0.0
-    moved = bool(passing.any() and not passing.all())
-    return {
-        "relief_l_min": moved,
-        "relief_um": moved,
-        "vapour_cm3": float(vapour(state).max(initial=0.0)) > LEAST_VAPOUR,
-    }
 
 
 def samples(curve: Curve, columns: dict[str, NDArray]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -100,10 +117,7 @@ class Drawn(NamedTuple):
 def draw(recording: Recording) -> list[Drawn]:
     """The curves that have something to show."""
     columns = {topic: recording.columns(topic) for topic in {curve.topic for curve in CURVES}}
-    shown = happened(columns["state"])
-    columns["state"] |= {"vapour": vapour(columns["state"])}
-    chosen = [*CURVES, *(curve for curve in HAPPENINGS if shown[curve.picture])]
-    filled = [Drawn(curve, *samples(curve, columns[curve.topic])) for curve in chosen]
+    filled = [Drawn(curve, *samples(curve, columns[curve.topic])) for curve in CURVES]
     return [drawn for drawn in filled if len(drawn.stamps)]
 
 

@@ -7,7 +7,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+<<<<<<< HEAD
 from tests.benchmarks import lines, loop, plant, recorder, relief, start, timing
+=======
+from tests.benchmarks import lines, loop, plant, recorder, start, timing, view
+>>>>>>> merged
 
 SECTIONS = {
     "plant": plant.rows,
@@ -17,6 +21,7 @@ SECTIONS = {
     "timing": timing.rows,
     "recorder": recorder.rows,
     "start": start.rows,
+    "view": view.rows,
 }
 
 

@@ -1,0 +1,27 @@
+"""The plant's message on its lines: pressure along each, and the cavities. One kernel call a viewer period."""
+
+from typing import Any
+
+import numpy as np
+
+from bridge.messages import LineProfile, Outgoing
+from twin.block import Compiled
+from twin.circuit import LINES
+from twin.profile import HOLLOWS, PLACES, XI, along_lines
+
+
+class LineProfiles:
+    """Makes the messages of one run."""
+
+    def __init__(self, run_id: int, circuit: Compiled) -> None:
+        self._run_id = run_id
+        self._circuit = circuit
+        self._pressure = np.zeros((LINES, PLACES))
+        self._cavity = np.zeros(len(HOLLOWS))
+
+    def message(self, state: Any, sequence: int, tick: int, stamp: int) -> Outgoing:
+        """What stands along the lines in a flat state."""
+        along_lines(state, *self._circuit, XI, self._pressure, self._cavity)
+        pressure, cavity = self._pressure.ravel().copy(), self._cavity.copy()
+        profile = LineProfile(self._run_id, sequence, tick, stamp, PLACES, pressure, cavity)
+        return Outgoing("lines", stamp, sequence, profile)

@@ -1,0 +1,66 @@
+"""What the report needs to know of one recording."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge.check import Judgement, judge_run
+from bridge.recording.columns import reference_at
+from bridge.recording.reader import Recording, read
+from bridge.run import Outcome
+from bridge.scenario import Scenario, ScenarioError
+from bridge.summary import summarise, verdict
+from bridge.view.frames import profiles
+from controller.sampling import NS
+
+
+class Run(NamedTuple):
+    """One recorded run, looked at."""
+
+    recording: Recording
+    scenario: Scenario
+    summary: dict[str, Any]
+    verdicts: list[Judgement]
+    faults: list[str]
+    state: dict[str, NDArray]
+    time: NDArray[np.float64]  # [s], of the state
+    reference: NDArray[np.float64]  # [m], NaN where the law follows none
+
+    @property
+    def name(self) -> str:
+        """How people call it: its file."""
+        return self.recording.path.stem
+
+    @property
+    def passed(self) -> bool:
+        """Did the run and every band go well?"""
+        return not self.faults and all(verdict.passed for verdict in self.verdicts)
+
+    def along(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Times [s] and pressures [Pa] along the lines, (n, 6, places)."""
+        stamps, pressure, _ = profiles(self.recording)
+        return stamps / NS, pressure
+
+
+def load_run(path: Path) -> Run:
+    """Read a recording. Raises ScenarioError when there is nothing in it to report on."""
+    recording = read(path)
+    if recording.counts.get("state", 0) < 2:
+        raise ScenarioError(f"{path}: the recording holds no state of a plant, so there is nothing to report")
+    scenario = recording.scenario()
+    summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
+    faults = verdict(summary, scenario)
+    outcome = Outcome(scenario, summary, faults, path, None)
+    state = recording.columns("state")
+    time = state["stamp"] / NS
+    return Run(
+        recording, scenario, summary, judge_run(outcome, scenario), faults, state, time, reference_at(time, scenario)
+    )
+
+
+def named_apart(runs: list[Run]) -> list[str]:
+    """A name for each run: its file's, with a number where two are the same."""
+    names = [run.name for run in runs]
+    return [f"{name} ({i})" if names.count(name) > 1 else name for i, name in enumerate(names, 1)]

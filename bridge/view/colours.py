@@ -1,0 +1,25 @@
+"""Pressure as a colour: violet at the vapour pressure, blue at the tank's, red at the highest; the same everywhere."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+STOPS = (  # [bar], red, green, blue
+    (-1.0, 214, 66, 214),
+    (-0.5, 120, 70, 190),
+    (0.0, 46, 84, 166),
+    (12.0, 40, 136, 190),
+    (25.0, 44, 172, 142),
+    (40.0, 158, 202, 76),
+    (55.0, 246, 206, 70),
+    (70.0, 240, 136, 46),
+    (100.0, 204, 36, 44),
+)
+LEGEND = (0.0, 20.0, 40.0, 60.0, 80.0, 100.0)  # [bar], where a bar of colours has its marks
+CAVITY = (255, 90, 255)
+
+
+def pressure_colours(pressure: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """RGB for pressures [Pa], one more axis; beyond the ends the colours of the ends."""
+    bar = np.asarray(pressure) * 1e-5
+    at, *channels = zip(*STOPS, strict=True)
+    return np.stack([np.interp(bar, at, channel) for channel in channels], axis=-1).round().astype(np.uint8)

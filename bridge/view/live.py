@@ -1,0 +1,158 @@
+"""A running plant in Rerun: a process of its own between Zenoh and the viewer, which the loop cannot notice."""
+
+import json
+import os
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.bus import Bus
+from bridge.clock import Stop
+from bridge.failure import RunError
+from bridge.link import Link
+from bridge.recording.reader import Entry
+from bridge.scenario import ScenarioError
+from bridge.view.batch import inbox, run_of
+from bridge.view.content import APPLICATION
+from bridge.view.drawing import Drawing
+from bridge.view.program import Program, connected, require_rerun, server, window
+from bridge.view.screenshot import check_target, screenshot
+
+PERIOD = 0.05  # [s] from batch to batch
+LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then it cannot leave, nor in lockstep go on
+FLUSH = 2.0  # [s] that Rerun has to take a batch; then what comes waits, and in the end is left out
+PICTURE_AFTER = 4.0  # [s] of simulated time, unless somebody says when
+
+
+class LiveOptions(NamedTuple):
+    """Where to show it."""
+
+    web: bool
+    save: Path | None
+    picture: Path | None
+    at: float | None  # [s], of the picture
+
+
+def watch(link: Link, rig: str, options: LiveOptions) -> None:
+    """Show a running plant until the viewer is closed or Ctrl-C. Raises RunError, LinkError or ScenarioError."""
+    if options.web + (options.save is not None) + (options.picture is not None) > 1:
+        raise ScenarioError("--web serves the view, --save and --screenshot write a file: choose one")
+    require_rerun()
+    if options.picture:
+        check_target(options.picture)
+    with Bus(link, rig, "viewer", blocking=False, lease=LEASE) as bus:
+        live = Live(bus, link.patience, Stop())
+        _yield_to_all()
+        if options.picture:
+            at = PICTURE_AFTER if options.at is None else options.at
+            screenshot(options.picture, lambda program: live.follow(program, until=at, bare=True))
+        elif options.save:
+            live.write(options.save)
+        else:
+            _show(live, options.web)
+
+
+def _show(live: "Live", web: bool) -> None:
+    with ExitStack() as stack:
+        program = stack.enter_context(server() if web else window())
+        if web:
+            print(f"{program.address}\nCtrl-C ends it", flush=True)
+        live.follow(program)
+        if live.inbox.left_out:
+            print(f"{live.inbox.left_out} messages were not drawn: the viewer was too slow for them")
+
+
+class Live:
+    """What comes from a rig, drawn batch by batch.
+
+    It takes no status: its last word blocks until all have it, and a stalled viewer would hold the plant.
+    """
+
+    def __init__(self, bus: Bus, patience: float, stop: Stop) -> None:
+        self.bus = bus
+        self.stop = stop
+        self.inbox = inbox(bus)
+        self._patience = patience
+
+    def follow(self, program: Program, until: float | None = None, bare: bool = False) -> None:
+        """Draw on a Rerun program until it ends, Ctrl-C, or a simulated time [s]; a new run begins a new recording."""
+
+        def closed() -> bool:
+            return program.process.poll() is not None
+
+        def finished(drawing: Drawing) -> bool:
+            return closed() or (until is not None and (drawing.seconds >= until or drawing.over))
+
+        while not self.stop() and not closed():
+            manifest = self._manifest(lambda: self.stop() or closed())
+            if manifest is None:
+                return
+            self._draw(Drawing(connected(program, APPLICATION), manifest, bare), finished)
+            if until is not None:
+                return
+
+    def write(self, path: Path) -> None:
+        """Draw into a Rerun file until the plant ends or Ctrl-C."""
+        import rerun as rr
+
+        if path.suffix != ".rrd":
+            raise ScenarioError(f"{path}: Rerun knows its files by their ending; name it {path.with_suffix('.rrd')}")
+        manifest = self._manifest(self.stop)
+        if manifest is None:
+            return
+        stream = rr.RecordingStream(APPLICATION)
+        try:
+            stream.save(path)
+        except RuntimeError as error:
+            raise ScenarioError(f"cannot write the view: {error}") from None
+        self._draw(Drawing(stream, manifest, bare=False), lambda drawing: drawing.over)
+        stream.disconnect()
+
+    def _draw(self, drawing: Drawing, finished: Callable[[Drawing], bool]) -> None:
+        """Batches of one run, until another one begins."""
+        free = True
+        while not self.stop():
+            over = finished(drawing)
+            time.sleep(PERIOD)
+            free = free or _flushed(drawing.stream, PERIOD)
+            if free:
+                entries = self.inbox.take()
+                if _another(entries, drawing.run_id):
+                    return
+                drawing.add([entry for entry in entries if run_of(entry) == drawing.run_id])
+                free = _flushed(drawing.stream, FLUSH)
+            if over:
+                return
+
+    def _manifest(self, stopped: Callable[[], bool]) -> dict[str, Any] | None:
+        """What the plant says of its run; None when somebody has stopped us meanwhile."""
+        answer = self.bus.ask("scenario", self._patience, stopped)
+        if answer is None and not stopped():
+            raise RunError(
+                f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig"
+            )
+        return None if answer is None else json.loads(answer)
+
+
+def _yield_to_all() -> None:
+    """Draw, and Rerun with us, only where nobody else wants the processor: the loop comes first.
+
+    Not so Zenoh's threads, which are there already: what they leave on the wire, the plant would wait for.
+    """
+    os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+
+
+def _another(entries: list[Entry], run_id: int) -> bool:
+    """Has another run begun? Its states say so."""
+    return any(entry.topic == "state" and run_of(entry) != run_id for entry in entries[-1000:])
+
+
+def _flushed(stream: Any, patience: float) -> bool:
+    """Has Rerun taken all that was sent?"""
+    try:
+        stream.flush(timeout_sec=patience)
+    except RuntimeError:
+        return False
+    return True

@@ -1,0 +1,132 @@
+"""Rerun's own program: a window, a server for browsers, or a picture without a screen. On loopback only, and silent."""
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NamedTuple
+from urllib.parse import quote
+
+from bridge.link import free_endpoint
+from bridge.scenario import ScenarioError
+
+START_PATIENCE = 15.0  # [s] for a server to answer
+LOOPBACK = "127.0.0.1"
+MEMORY = ("--memory-limit", "2GB", "--server-memory-limit", "1GB")  # then the oldest data go
+
+
+class Program(NamedTuple):
+    """Rerun, running."""
+
+    process: subprocess.Popen[bytes]
+    data: int  # port that takes and hands on what is logged
+    page: int  # port of the page for browsers; 0 without one
+
+    @property
+    def source(self) -> str:
+        """Where to log to."""
+        return f"rerun+http://{LOOPBACK}:{self.data}/proxy"
+
+    @property
+    def address(self) -> str:
+        """The page to open in a browser: dark, as its colours want it; as a notebook it sends no usage statistics."""
+        return f"http://{LOOPBACK}:{self.page}/?url={quote(self.source, safe='')}&theme=dark&notebook=1"
+
+
+def require_rerun() -> None:
+    """Raise ScenarioError when Rerun is not installed."""
+    if find_spec("rerun") is None:
+        raise ScenarioError("Rerun is not installed: pip install 'hydrotwin[view]'")
+
+
+def require_screen() -> None:
+    """Raise ScenarioError when there is no screen for a window."""
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise ScenarioError(
+            "there is no screen here: use --web for a browser, --screenshot FILE.png, or of a file --save FILE.rrd"
+        )
+
+
+@contextmanager
+def window() -> Iterator[Program]:
+    """A window."""
+    require_screen()
+    with _running("--hide-welcome-screen", "--expect-data-soon") as program:
+        yield program
+
+
+@contextmanager
+def server() -> Iterator[Program]:
+    """A server with a page for browsers."""
+    page = _free_port()
+    with _running("--serve-web", "--web-viewer-port", str(page), page=page) as program:
+        _await(program.process, page, "Rerun's web server")
+        yield program
+
+
+@contextmanager
+def headless(width: int, height: int) -> Iterator[Program]:
+    """A window that is nowhere, to take pictures of."""
+    with _running("--headless", "--hide-welcome-screen", "--window-size", f"{width}x{height}", quiet=True) as program:
+        yield program
+
+
+@contextmanager
+def _running(*arguments: str, page: int = 0, quiet: bool = False) -> Iterator[Program]:
+    """Rerun with these arguments, ended in the end.
+
+    `CI` is the one variable that keeps it from sending usage statistics. (Its server inside Python listens on all
+    interfaces.)
+    """
+    import rerun_cli
+
+    path, data = Path(rerun_cli.__file__).with_name("rerun"), _free_port()
+    environment = {"RUST_LOG": "error", "XDG_RUNTIME_DIR": "/tmp", **os.environ, "CI": "1"}
+    command = [path, "--bind", LOOPBACK, "--port", str(data), *MEMORY, *arguments]
+    words = subprocess.DEVNULL if quiet else None
+    process = subprocess.Popen(command, env=environment, stdout=words, stderr=words)
+    try:
+        _await(process, data, "Rerun")
+        yield Program(process, data, page)
+    finally:
+        _end(process)
+
+
+def _free_port() -> int:
+    return int(free_endpoint().rpartition(":")[2])
+
+
+def _await(process: subprocess.Popen[bytes], port: int, who: str) -> None:
+    """Wait until a port answers."""
+    until = time.monotonic() + START_PATIENCE
+    while time.monotonic() < until and process.poll() is None:
+        with socket.socket() as probe:
+            if probe.connect_ex((LOOPBACK, port)) == 0:
+                return
+        time.sleep(0.05)
+    raise ScenarioError(
+        f"{who} did not start within {START_PATIENCE:g} s" if process.poll() is None else f"{who} ended"
+    )
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.terminate()
+    try:
+        process.wait(5.0)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def connected(program: Program, application: str, name: Any = None) -> Any:
+    """A stream that logs to a running Rerun."""
+    import rerun as rr
+
+    stream = rr.RecordingStream(application, recording_id=name)
+    stream.connect_grpc(program.source)
+    return stream

@@ -1,0 +1,58 @@
+"""A run in a few words, as Markdown: what was run, how it went, on which rig."""
+
+from typing import Any
+
+from bridge.bands import METRICS, value_with_unit
+from bridge.recording.reader import Recording
+
+LINE_ENDS = (
+    ("pump", "tee, p1"),
+    ("tee, p1", "valve, P"),
+    ("valve, A", "lower chamber, p2"),
+    ("valve, B", "upper chamber, p3"),
+    ("valve, T", "return tee"),
+    ("return tee", "tank"),
+)
+MODES = {"inprocess": "in one process", "lockstep": "in lockstep", "realtime": "in real time"}
+
+
+def sentence(recording: Recording) -> str:
+    """The run in one sentence."""
+    run, summary = recording.metadata.get("run", {}), recording.metadata.get("summary", {})
+    what = _control(run.get("scenario", {}))
+    how = MODES.get(run.get("mode", ""), "")
+    simulated = summary.get("simulated")
+    span = "A run" if simulated is None else f"{simulated:g} s"
+    ending = summary.get("ending", "not ended, shown as far as it goes")
+    return f"{' '.join(filter(None, (span, how, what)))}: {ending}."
+
+
+def _control(scenario: dict[str, Any]) -> str:
+    loop, law = scenario.get("loop"), scenario.get("controller", {}).get("law")
+    if not loop:
+        return ""
+    delay = f"{loop['delay'] * 1e3:g} ms later" if loop["delay"] else "without delay"
+    return f"under the law {law}, sampled every {loop['sample_period'] * 1e3:g} ms and acting {delay}"
+
+
+def run_in_words(recording: Recording) -> str:
+    """The run as Markdown."""
+    summary = recording.metadata.get("summary", {})
+    rows = [(METRICS[name].words, value_with_unit(name, value)) for name, value in summary.get("metrics", {}).items()]
+    table = ["| | |", "|---|---|", *(f"| {words} | {value} |" for words, value in rows)] if rows else []
+    scenario = recording.metadata.get("run", {}).get("scenario", {})
+    title = scenario.get("title") or scenario.get("name", "A run")
+    return "\n".join(
+        [f"**{title}**", "", sentence(recording), "", *_conditions(recording.metadata.get("run", {})), "", *table]
+    )
+
+
+def _conditions(run: dict[str, Any]) -> list[str]:
+    scenario = run.get("scenario", {})
+    loop = scenario.get("loop", {})
+    if not loop:
+        return []
+    return [
+        f"Measurements every {loop['daq_period'] * 1e3:g} ms, internal step {loop['step'] * 1e6:g} us, "
+        f"profiles of the pipes every {loop['viewer_period'] * 1e3:g} ms."
+    ]
