@@ -7,11 +7,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-<<<<<<< HEAD
-from tests.benchmarks import lines, loop, plant, recorder, relief, start, timing
-=======
-from tests.benchmarks import lines, loop, plant, recorder, start, timing, view
->>>>>>> merged
+from tests.benchmarks import lines, loop, plant, recorder, relief, start, timing, view
 
 SECTIONS = {
     "plant": plant.rows,
