@@ -8,7 +8,7 @@ import pytest
 from bridge.inprocess import record_in_process
 from bridge.recording.reader import Recording, recording
 from bridge.scenario import load
-from bridge.view.colours import STOPS, pressure_colours
+from bridge.view.colours import STOPS, UNKNOWN, pressure_colours
 from bridge.view.content import scene_of, write
 from bridge.view.frames import frames, profiles
 from bridge.view.length_time import marks, picture
@@ -68,6 +68,7 @@ def test_colours_go_with_the_pressure_and_vapour_is_told_from_the_tank():
     for bar, *rgb in STOPS:
         assert pressure_colours(np.array([bar * 1e5])).tolist() == [rgb]
     assert pressure_colours(np.array([-5e5, 500e5])).tolist() == [list(STOPS[0][1:]), list(STOPS[-1][1:])]
+    assert pressure_colours(np.array([np.nan])).tolist() == [list(UNKNOWN)]
 
 
 def test_piston_and_weight_stand_where_they_are(view: Path, ran: Recording):

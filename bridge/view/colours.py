@@ -16,10 +16,13 @@ STOPS = (  # [bar], red, green, blue
 )
 LEGEND = (0.0, 20.0, 40.0, 60.0, 80.0, 100.0)  # [bar], where a bar of colours has its marks
 CAVITY = (255, 90, 255)
+UNKNOWN = (24, 28, 36)  # no pressure, NaN: the background
 
 
 def pressure_colours(pressure: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """RGB for pressures [Pa], one more axis; beyond the ends the colours of the ends."""
+    """RGB for pressures [Pa], one more axis; beyond the ends the colours of the ends, UNKNOWN for NaN."""
     bar = np.asarray(pressure) * 1e-5
     at, *channels = zip(*STOPS, strict=True)
-    return np.stack([np.interp(bar, at, channel) for channel in channels], axis=-1).round().astype(np.uint8)
+    known = np.isfinite(bar)[..., None]
+    shown = np.stack([np.interp(bar, at, channel) for channel in channels], axis=-1)
+    return np.where(known, shown, UNKNOWN).round().astype(np.uint8)

@@ -81,6 +81,6 @@ class Drawing:
             return
         self._drawn = self.seconds
         missing = (self._profiles.maxlen or 0) - len(self._profiles)
-        history = np.stack([*[np.zeros_like(self._profiles[0])] * missing, *self._profiles])
+        history = np.stack([*[np.full_like(self._profiles[0], np.nan)] * missing, *self._profiles])
         for pipe in range(history.shape[1]):
             length_time.draw(self.stream, pipe, history[:, pipe])

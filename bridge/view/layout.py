@@ -3,6 +3,7 @@
 from collections.abc import Collection
 from typing import Any
 
+from bridge.view.colours import UNKNOWN
 from bridge.view.curves import PICTURES
 from bridge.view.length_time import HEIGHT, WIDTH, entity
 from bridge.view.timeline import TIMELINE
@@ -10,7 +11,6 @@ from bridge.view.timeline import TIMELINE
 Spans = dict[str, tuple[float, float]]  # what the vertical axis of a picture holds
 EVENTS, RUN = "events", "run"
 FIRST = ("position_mm", "pressure_bar", "valve", "flow_l_min")  # always in sight
-DUSK = [24, 28, 36]
 SHARES = (3.0, 4.0, 2.5, 3.0, 3.0)  # of the height; the last of what is behind tabs
 CHOSEN_PIPE = 2  # in sight first: from the valve to the lower chamber
 CYLINDER = ("cylinder", "piston", "oil", "weight", "rails", "frame", "cavities", "pipes", "taps")  # parts seen near
@@ -58,7 +58,7 @@ def _space(eye: str, name: str, contents: list[str]) -> Any:
         origin="/rig",
         contents=contents,
         name=name,
-        background=DUSK,
+        background=UNKNOWN,
         line_grid=False,
         eye_controls=rrb.EyeControls3D(position=position, look_target=target, eye_up=(0.0, 0.0, 1.0)),
     )
@@ -69,7 +69,7 @@ def _maps() -> Any:
 
     bounds = rrb.VisualBounds2D(x_range=(-80.0, WIDTH + 110.0), y_range=(-42.0, HEIGHT + 66.0))
     views = [
-        rrb.Spatial2DView(origin=entity(pipe), name=f"pipe {pipe + 1}", visual_bounds=bounds, background=DUSK)
+        rrb.Spatial2DView(origin=entity(pipe), name=f"pipe {pipe + 1}", visual_bounds=bounds, background=UNKNOWN)
         for pipe in range(6)
     ]
     return rrb.Tabs(*views, active_tab=CHOSEN_PIPE)
