@@ -137,7 +137,7 @@ class Live:
 
 
 def _yield_to_all() -> None:
-    """Draw, and Rerun with us, only where nobody else wants the processor: the loop comes first.
+    """Draw, and Rerun with us, only where nobody else of this session wants the processor.
 
     Not so Zenoh's threads, which are there already: what they leave on the wire, the plant would wait for.
     """
