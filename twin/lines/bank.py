@@ -16,7 +16,7 @@ the part behind it resists, and r q^2 takes energy whatever q does. In `nodes` i
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,8 +116,8 @@ def packed(bank: Bank) -> tuple[Integers, Floats]:
     The first starts with the size of the memory, then where each of its own parts begins and the last ends, then the
     same for the parts of the second; parts stand in the order of the fields.
     """
-    whole: list[Integers] = [array.ravel() for array in bank[3:] if array.dtype == np.int64]
-    numbers: list[Floats] = [array.ravel() for array in bank[3:] if array.dtype == np.float64]
+    whole: list[Any] = [array.ravel() for array in bank[3:] if array.dtype == np.int64]
+    numbers: list[Any] = [array.ravel() for array in bank[3:] if array.dtype == np.float64]
     head = 1 + len(whole) + 1 + len(numbers) + 1
     starts = np.cumsum([head, *map(len, whole)]), np.cumsum([2, *map(len, numbers)])
     scalars = np.array([bank.step, bank.vapour_pressure])
