@@ -58,6 +58,8 @@ MIDDLE = [
 ]  # fmt: skip
 STEEL, HOSE = 1137.0, 630.0
 RIG_LENGTHS = ((1.0, STEEL), (2.5, STEEL), (2.0, STEEL), (2.0, HOSE), (1.5, HOSE))
+PEER = Pipe(3.0, 10e-3, 0.040 / 870.0, math.sqrt(1.3e9 / 870.0))  # 1.3 GPa, 40 mPa s: measured elsewhere
+PEER_SPAN = 0.1  # s
 RIG = [Pipe(length, 11e-3, 40e-6, a, 878.0) for length, a in RIG_LENGTHS]
 ENDS = ("flow", "press", "closed", "res")
 
@@ -105,18 +107,27 @@ def answers(s: Complex, pipe: Pipe, ends: str, friction: str = "unsteady") -> tu
     return 1.0 - 0.5 * q1, -0.3 * q2
 
 
-def exact(pipe: Pipe, ends: str, step: float, count: int, friction: str = "unsteady") -> tuple[Array, Array]:
-    """Both answers to a ramp of one over RAMP from t = 0, at t = step, 2 step, ... count step."""
+def inside(s: Complex, pipe: Pipe, xi: float) -> Complex:
+    """Pressure at a place xi in units of Z0 q1, end 2 held: n sinh(g (1 - xi))/cosh g."""
+    n = losses(s, pipe, "unsteady")
+    g = s * pipe.travel_time * n
+    return n * np.exp(-g * xi) * (1.0 - np.exp(-2.0 * g * (1.0 - xi))) / (1.0 + np.exp(-2.0 * g))
+
+
+def ramped(transform: Callable[[Complex], Complex], step: float, count: int) -> Array:
+    """The answer to a ramp of one over RAMP from t = 0, at t = step, 2 step, ... count step."""
     fine = 2 ** math.ceil(math.log2(16 * (count + 1))) // (count + 1)
 
-    def driven(which: int) -> Array:
-        def transform(s: Complex) -> Complex:
-            ramp = (1.0 - np.exp(-s * RAMP)) / (s * s * RAMP)
-            return ramp * answers(s, pipe, ends, friction)[which]
+    def driven(s: Complex) -> Complex:
+        return (1.0 - np.exp(-s * RAMP)) / (s * s * RAMP) * transform(s)
 
-        return invert(transform, (count + 1) * step, fine * (count + 1))[::fine][1:]
+    return invert(driven, (count + 1) * step, fine * (count + 1))[::fine][1:]
 
-    return driven(0), driven(1)
+
+def exact(pipe: Pipe, ends: str, step: float, count: int, friction: str = "unsteady") -> tuple[Array, Array]:
+    """Both answers to a ramp."""
+    first, second = (ramped(lambda s, i=i: answers(s, pipe, ends, friction)[i], step, count) for i in (0, 1))
+    return first, second
 
 
 def talbot(transform: Callable[[Complex], Complex], t: float, points: int = 32) -> float:
@@ -198,8 +209,14 @@ def simulate(pipe: Pipe, ends: str, step: float, count: int, model: str, frictio
     return {"flow": (p1 / z0, q2), "press": (q1, p2 / z0)}.get(ends, (p1 / z0, p2 / z0))
 
 
-def error(pipe: Pipe, ends: str, step: float, model: str, friction: str = "unsteady") -> float:
-    """The larger rms error of both answers over TRAVELS travel times, in Joukowsky pressures (flows: in flows)."""
-    count = int((TRAVELS * pipe.travel_time + 1e-3) / step)
-    found, right = simulate(pipe, ends, step, count, model, friction), exact(pipe, ends, step, count, friction)
-    return max(math.sqrt(float(np.mean((a - b) ** 2))) for a, b in zip(found, right, strict=True))
+def rms(found: Array, right: Array) -> float:
+    """Root of the mean square of the difference."""
+    return math.sqrt(float(np.mean((found - right) ** 2)))
+
+
+def error(pipe: Pipe, ends: str, step: float, model: str, span: float = 0.0) -> float:
+    """The larger rms error of both answers over TRAVELS travel times or a span [s], in Joukowsky pressures (flows: in
+    flows)."""
+    count = int((span or TRAVELS * pipe.travel_time + 1e-3) / step)
+    pairs = zip(simulate(pipe, ends, step, count, model), exact(pipe, ends, step, count), strict=True)
+    return max(rms(found, right) for found, right in pairs)

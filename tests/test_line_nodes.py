@@ -134,13 +134,13 @@ def step_at(bank, memory, tick: int, flow: float) -> np.ndarray:
 
 def test_cavity_opens_and_closes_inside_and_no_oil_is_lost():
     """Nothing inside falls below vapour pressure; without the cavity it would; given back, the oil closes it, and the
-    line ends at the pressure of before: the sum of its flows is zero. 0.5 %: not all of the ringing has died."""
+    line ends at the pressure of before: the sum of its flows is zero. 1e-5: the mean of what still rings by 1 %."""
     ports, cavity, least = drained(60_000)
     assert least.min() >= VAPOUR
     assert drained(300, -1e12)[2].min() < 2.0 * VAPOUR
     assert cavity.max() > 1e-8
     assert cavity[-1] == 0.0
-    assert ports[-1, :2] == pytest.approx(2e5, rel=5e-3)
+    assert ports[-20_000:, :2].mean() == pytest.approx(2e5, rel=1e-5)
 
 
 def test_cavity_is_what_the_oil_leaves_free():

@@ -9,10 +9,9 @@ density], p gauge [Pa]; c and Z come from the past only. Ends are counted line 0
         leave(bank, memory, tick, q)           exactly once per tick
         profile(bank, memory, tick, ...)       at will, after leave of that tick
 
-Turbulent friction beyond the laminar one, r >= 0 from the flow of the
-instant before, sits half at each end of an `ends` line, from each end's own flow: where a front divides the pipe only
-the part behind it resists, and r q^2 takes energy whatever q does. In `nodes` it sits at both ends of every segment, in
-`lumped` in the middle.
+Turbulent friction beyond the laminar one, r >= 0 from the flow of the instant before, sits half at each end of an
+`ends` line, from each end's own flow: where a front divides the pipe only the part behind it resists, and r q^2 takes
+energy whatever q does. In `nodes` it sits at both ends of every segment, in `lumped` in the middle.
 """
 
 from collections.abc import Sequence

@@ -53,10 +53,11 @@ def chunks_of(
         at += MEMORY * LANES
         for j in range(k * LANES // 2, min(len(lines), (k + 1) * LANES // 2)):
             ring = 2 ** math.ceil(math.log2(filters[j].echo_delay + 3))
+            coefficients = _coefficients(filters[j], lines[j], lines[j].travel_time / step)
             for end in (0, 1):
                 lane = 2 * j + end - k * LANES
                 layout[k, :, lane] = _delays(filters[j], 2 * which[j] + end, at + end * ring, ring)
-                numbers[k, :, lane] = _coefficients(filters[j], lines[j], end, lines[j].travel_time / step)
+                numbers[k, :, lane] = coefficients
             at += 2 * ring
     return Chunks(place, layout.reshape(count, LAYOUT * LANES), numbers.reshape(count, NUMBERS * LANES), at - start)
 
@@ -65,7 +66,7 @@ def _delays(f: Filters, end: int, ring: int, length: int) -> list[int]:
     return [end, ring, length - 1, f.delay, f.echo_delay, f.first, f.echo_first]
 
 
-def _coefficients(f: Filters, line: LineNumbers, end: int, steps: float) -> NDArray[np.float64]:
+def _coefficients(f: Filters, line: LineNumbers, steps: float) -> NDArray[np.float64]:
     gain = 1.0 - f.poles
     direct = f.direct + math.fsum(gain * f.own)
     z = line.z0 * (1.0 + direct) / (1.0 - direct)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.kernel import allocating_kernel
 from twin.lines.householder import Matrix
 from twin.lines.theory import Complex
 
@@ -57,19 +58,25 @@ def responses(theta: Matrix, line: Filters) -> tuple[Complex, Complex]:
     return np.hstack(own + across), np.hstack(own + [-block for block in across])
 
 
-def scattering(theta: Matrix, filters: Filters) -> tuple[Complex, Complex]:
-    """S+ and S- of the filters at z = exp(i theta)."""
-    z1 = np.exp(-1j * theta)
-    own, echo, across = np.zeros((3, len(theta)), dtype=complex)
-    for i, pole in enumerate(filters.poles):
-        p = (1.0 - pole) / (1.0 - pole * z1)
-        own += filters.own[i] * p
-        echo += filters.echo[i] * p
-        across += filters.across[i] * p
-    reflected = filters.direct + own + z1**filters.echo_delay * echo
-    reflected += z1**filters.echo_first * (filters.echo_taps[0] + filters.echo_taps[1] * z1)
-    passed = z1**filters.delay * across + z1**filters.first * np.polynomial.polynomial.polyval(z1, filters.taps)
-    return reflected + passed, reflected - passed
+@allocating_kernel
+def scattering(theta, f):
+    """S+ and S- of filters f at z = exp(i theta)."""
+    plus, minus = np.zeros(len(theta), np.complex128), np.zeros(len(theta), np.complex128)
+    for k in range(len(theta)):
+        z1 = np.exp(-1j * theta[k])
+        own, echo, across, passed = 0j, 0j, 0j, 0j
+        for i in range(len(f.poles)):
+            p = (1.0 - f.poles[i]) / (1.0 - f.poles[i] * z1)
+            own += f.own[i] * p
+            echo += f.echo[i] * p
+            across += f.across[i] * p
+        for j in range(len(f.taps) - 1, -1, -1):
+            passed = passed * z1 + f.taps[j]
+        own += f.direct + np.exp(-1j * theta[k] * f.echo_delay) * echo
+        own += np.exp(-1j * theta[k] * f.echo_first) * (f.echo_taps[0] + f.echo_taps[1] * z1)
+        passed = np.exp(-1j * theta[k] * f.first) * passed + np.exp(-1j * theta[k] * f.delay) * across
+        plus[k], minus[k] = own + passed, own - passed
+    return plus, minus
 
 
 def lagrange(delay: float, count: int) -> Matrix:

@@ -15,6 +15,7 @@ from twin.lines.passivity import enforced
 from twin.lines.theory import Line, modes, slow_minus, slow_plus
 
 SHORTEST = 3.5  # M: taps need room before the first echo
+SHORT = 16.0  # M of a short line
 FAR = 100.0  # M of a long line
 POINTS = 300  # frequencies of the fit
 EVEN = 400  # more of them after a fit that was not passive
@@ -76,10 +77,15 @@ def _empty(line: Line, poles: int) -> Filters:
         echo_taps=np.zeros(2),
         taps=np.zeros(TAPS),
         echo_first=max(1, math.floor(2.0 * line.steps)),
-        first=max(1, math.floor(line.steps) - TAPS // 2),
+        first=_first_tap(line.steps),
         echo_delay=round(2.0 * line.steps),
         delay=round(line.steps),
     )
+
+
+def _first_tap(m: float) -> int:
+    """Four before the last whole step, in short lines three where M is little above it (by trial: rms near M = 8)."""
+    return max(1, math.floor(m) - (TAPS // 2 - 1 if m < SHORT and m % 1.0 < 0.5 else TAPS // 2))
 
 
 def _frequencies(line: Line, empty: Filters, even: int) -> Matrix:

@@ -29,8 +29,8 @@ LANES = 32  # ends of segments side by side, end 1 of the line first
 # rows of LANES numbers in memory, the ring's last; P and V count nodes, the others ends of segments
 WAVE, SUM, EXCESS, FLOW, PRESSURE, CAVITY, STATES = range(7)
 RING = STATES + POLES
-# coefficients of a line: scalars, taps, p and (1 - p) r, then a row of Z0 w
-Z0, F_0, HEAVY, PER_FLOW, STEP, VAPOUR, TAPS_AT = range(7)
+# coefficients of a line: scalars, LENGTH the sum of Z0 w over one side, taps, p and (1 - p) r, then a row of Z0 w
+Z0, F_0, HEAVY, PER_FLOW, STEP, VAPOUR, LENGTH, TAPS_AT = range(8)
 P = TAPS_AT + TAPS
 WEIGHT = P + 2 * POLES
 NUMBERS = WEIGHT + LANES
@@ -48,7 +48,8 @@ def prepare(line: LineNumbers, step: float, vapour_pressure: float) -> tuple[lis
     steady = 0.0 if line.losses == "none" else 8.0
     share = line.z0 * step / (2.0 * line.viscous_time)
     heavy = 0.5 * line.resistance / (m * share)  # turbulent extra of an end over its Z0 w
-    scalars = [line.z0, steady + float(r.sum()), heavy, line.turbulent_per_flow, step, vapour_pressure]
+    scalars = [line.z0, steady + float(r.sum()), heavy, line.turbulent_per_flow]
+    scalars += [step, vapour_pressure, share * m]
     weight = np.zeros(LANES)
     weight[: 2 * segments] = share * delay
     weight[segments - 1 : segments + 1] = share * middle
@@ -154,10 +155,7 @@ def settle(lines, place, layout, numbers, memory, p, q) -> None:
     for k in range(len(lines)):
         m, f, count, flow = memory[place[k] :], numbers[k], layout[k, 1], q[lines[k]]
         at, end = p[2 * lines[k]], p[2 * lines[k] + 1]
-        length = 0.0
-        for j in range(count):
-            length += f[WEIGHT + 2 * j]
-        slope = (end - at) / length
+        slope = (end - at) / f[LENGTH]
         for j in range(count):
             after = at + slope * f[WEIGHT + 2 * j]
             m[PRESSURE * LANES + j] = at
@@ -182,11 +180,9 @@ def _settle_end(m, f, e: int, q: float) -> None:
 @kernel
 def profile(place: int, layout, f, memory, xi, out) -> None:
     """Pressure [Pa] at places xi after `leave`: that of the nodes, linear between them."""
-    m, count, length = memory[place:], layout[1], 0.0
-    for j in range(count):
-        length += f[WEIGHT + 2 * j]
+    m, count = memory[place:], layout[1]
     for i in range(len(xi)):
-        x, j = xi[i] * length, 0
+        x, j = xi[i] * f[LENGTH], 0
         while x > f[WEIGHT + 2 * j] and j < count - 1:
             x, j = x - f[WEIGHT + 2 * j], j + 1
         left, right = m[PRESSURE * LANES + j], m[PRESSURE * LANES + j + 1]
