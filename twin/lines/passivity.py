@@ -9,9 +9,10 @@ from twin.lines.householder import Matrix, product, solve, triangle
 from twin.lines.theory import Line, modes
 
 ROUNDS = 8  # of enforcing
-HOPELESS = 1.0  # |S| - 1 that no further round mends
+HOPELESS = 1.0  # |S| - 1 that no round mends; nor does one that makes it worse lead anywhere
 HEAVY = 300.0  # weight of an enforced point over the largest entry of the problem
 NOISE = 2e-10  # of rounding in |S|
+UNSURE = 1e-8  # |S| - 1 to be feared between the points of the grid while maxima exceed what is allowed
 NEAR = 1e-3  # below 1 a maximum is looked at in detail
 
 
@@ -19,15 +20,18 @@ def enforced(line: Line, empty: Filters, fixed: Matrix, free: Matrix, r: Matrix,
     """Filters of x = fixed + free v, v the least squares of R v = y, with rows added where |S| exceeds 1 until it does
     not; and the worst |S| - 1."""
     theta, heavy = _grid(line), HEAVY * float(np.abs(r).max())
-    filters, excess = empty, math.inf
+    filters, excess, before = empty, math.inf, HOPELESS
     for _ in range(ROUNDS):
         filters = filled(empty, fixed + product(free, solve(r, y).reshape(-1, 1))[:, 0])
         rows, values, excess = _violations(theta, filters, line)
-        if not len(rows) or excess > HOPELESS:
+        if not len(rows):
+            return filters, excess
+        if excess > before:
             break
+        before = excess
         values -= product(rows, fixed.reshape(-1, 1))[:, 0]
         r, y = triangle(np.vstack([r, heavy * product(rows, free)]), np.append(y, heavy * values))
-    return filters, excess
+    return filters, max(excess, UNSURE)
 
 
 def _grid(line: Line) -> Matrix:
