@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -84,6 +85,13 @@ def wait_for(condition: Any, patience: float) -> Any:
             return answer
         time.sleep(0.02)
     raise AssertionError(f"not within {patience} s")
+
+
+def listening(endpoint: str) -> bool:
+    """Does somebody accept connections at a Zenoh endpoint `tcp/host:port`?"""
+    host, port = endpoint.removeprefix("tcp/").rsplit(":", 1)
+    with socket.socket() as probe:
+        return probe.connect_ex((host, int(port))) == 0
 
 
 def grown(path: Path, size: int) -> bool:

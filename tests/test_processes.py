@@ -13,7 +13,7 @@ from bridge.bus import Bus
 from bridge.link import Link, free_endpoint
 from bridge.messages import ValveCommand, encode
 from bridge.recording.reader import read
-from tests.processes import child, children, grown, hydrotwin, started, wait_for, with_signal
+from tests.processes import child, children, grown, hydrotwin, listening, started, wait_for, with_signal
 
 LOOSE = ("--set", "real_time.overruns=100000", "--set", "real_time.length=100")
 RUNNING = 30_000  # bytes of a recording in which the loop has been seen to run
@@ -209,9 +209,7 @@ def test_nobody_at_home_is_said_in_one_line():
 def test_a_taken_address_is_said_in_one_line():
     endpoint = free_endpoint()
     with started("plant", "step", "--listen", endpoint):
-        wait_for(
-            lambda: hydrotwin("plant", "step", "--listen", endpoint, "--set", "duration=0.001").returncode == 1, 20
-        )
+        wait_for(lambda: listening(endpoint), 60)
         done = hydrotwin("plant", "step", "--listen", endpoint)
     assert done.returncode == 1
     assert "cannot listen" in done.stderr
