@@ -60,7 +60,7 @@ class RunFile:
         self.rejected = 0
         self.refusal: str | None = None  # of the disk
         self.unwritten: Counter[str] = Counter()  # messages per topic that came and are in no file
-        self._live = manifest["mode"] == "realtime"
+        self._live = manifest["mode"] != "lockstep"  # a replay is, too
         self._order = Order(self.scenario.loop.grid())
         self._ring = Ring(request.window) if request.window else None
         head = {"run": manifest | {"recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z")}}
