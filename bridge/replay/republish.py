@@ -58,9 +58,8 @@ def replay(path: Path, link: Link, playing: Playing) -> dict[str, Any]:
         player = Player(timeline, sender.send)
         held = [answer_queries(bus, rig, player), *_stand_in(bus, recording, keys)]
         sender.await_listeners(playing.wait, stop)
+        timeline.paused = playing.paused
         timeline.seek(timeline.times[0], time.monotonic_ns())
-        if playing.paused:
-            timeline.pause(time.monotonic_ns())
         with keyboard(player):
             player.run(stop)
         del held
