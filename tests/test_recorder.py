@@ -8,6 +8,7 @@ import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ from bridge.inprocess import record_in_process
 from bridge.link import Link, free_endpoint
 from bridge.messages import TOPICS, decode
 from bridge.recorder_process import RecorderProcess
-from bridge.recording.digest import digest
 from bridge.recording.info import describe
 from bridge.recording.parts import Keeping
 from bridge.recording.reader import Recording, read
@@ -37,7 +37,7 @@ KEPT = 0.25  # seconds before a kill up to which everything is in the file
 
 @contextmanager
 def recorded(path: Path, *options: str, run: tuple[str, ...] = ("step", "--duration", "3")) -> Iterator[str]:
-    """A lockstep run with `hydrotwin record` and its options in place of the run's own; gives where the plant listens."""
+    """A lockstep run recorded by `hydrotwin record` with options; gives where the plant listens."""
     endpoint = free_endpoint()
     awaited = ("--await", "controller", "--await", "recorder", "--mode", "lockstep", "--listen", endpoint)
     name, _, duration, *changes = run
@@ -75,7 +75,7 @@ def test_parts_are_whole_and_join_to_the_run(tmp_path, option):
         pass
     parts = [path, *sorted(tmp_path.glob("a-part*.mcap"))]
     assert len(parts) >= 3
-    for part, following in zip(parts, parts[1:], strict=False):
+    for part, following in pairwise(parts):
         recording = read(part)
         assert recording.complete
         assert recording.scenario().name == "step"
@@ -85,13 +85,8 @@ def test_parts_are_whole_and_join_to_the_run(tmp_path, option):
     assert read(parts[-1]).metadata["summary"]["messages"]["state"] == 3001
     assert recover(parts, whole).whole
     record_in_process(load("step", ["duration=3"]), tmp_path / "b.mcap")
-    theirs, ours = digest(tmp_path / "b.mcap"), digest(whole)
-    assert {t: ours[t] for t in ("measurement", "state")} != {}
-    assert (
-        read(whole).columns("state")["position"].tolist()
-        == read(tmp_path / "b.mcap").columns("state")["position"].tolist()
-    )
-    assert set(theirs) == set(ours)
+    theirs, ours = (read(file).columns("state")["position"] for file in (tmp_path / "b.mcap", whole))
+    assert np.array_equal(theirs, ours)
 
 
 def test_a_ring_keeps_what_was_before_and_after_an_event(tmp_path):
@@ -111,10 +106,12 @@ def test_a_ring_without_an_event_writes_no_file_and_one_by_query_does(tmp_path):
         pass
     assert not path.exists()
     run = ("step", "--duration", "20")
-    with recorded(asked, "--ring", "0.2 s", "--after", "0.1 s", "--triggers", "none", run=run) as endpoint:
-        with Bus(Link(None, endpoint, None, 20.0), "rig", "operator", blocking=True) as bus:
-            time.sleep(1.0)
-            assert bus.ask("recorder/save", 10.0) == b"saved"
+    with (
+        recorded(asked, "--ring", "0.2 s", "--after", "0.1 s", "--triggers", "none", run=run) as endpoint,
+        Bus(Link(None, endpoint, None, 20.0), "rig", "operator", blocking=True) as bus,
+    ):
+        time.sleep(1.0)
+        assert bus.ask("recorder/save", 10.0) == b"saved"
     length = np.ptp(read(asked).columns("state")["stamp"].astype(np.int64))
     assert 250_000_000 <= length <= 350_000_000
 
@@ -198,7 +195,7 @@ def test_the_loop_runs_to_its_end_without_its_recorder_s_disk(tmp_path):
         resource.prlimit(third.pid, resource.RLIMIT_FSIZE, (path.stat().st_size + 1000, resource.RLIM_INFINITY))
         output, _ = first.communicate(timeout=30)
         assert third.wait(20) == 1
-        said = third.communicate()[0]
+        said, _ = third.communicate(timeout=10)
     assert json.loads(output)["tick"] == 3000
     assert "messages are not in it" in said
     assert_whole(read(path))

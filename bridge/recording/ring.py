@@ -36,10 +36,10 @@ class Ring:
         """Take a message; gives those to be written now."""
         self._now = max(self._now, log_time)
         self._kept.append((topic, log_time, sequence, payload))
-        if self.open:
-            yield from self.drain()
         while self._kept and self._kept[0][1] < self._now - self.window.before:
             self._kept.popleft()
+        if self.open:
+            yield from self.drain()
 
     def drain(self) -> Iterator[tuple[str, int, int, bytes]]:
         """Give out all that is kept."""

@@ -15,6 +15,7 @@ from bridge.recording.parts import Keeping, Parts
 from bridge.recording.reader import Recording, read
 from bridge.recording.ring import Ring, Window
 from bridge.recording.tally import Tally
+from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
 from bridge.summary import NEEDED, summarise
 from controller.sampling import NS
@@ -60,7 +61,9 @@ class RunFile:
         self.rejected = 0
         self.refusal: str | None = None  # of the disk
         self.unwritten: Counter[str] = Counter()  # messages per topic that came and are in no file
+        self._ending: str | None = None  # the plant's own words, also where events are not recorded
         self._live = manifest["mode"] != "lockstep"  # a replay is, too
+        self._flushed = time.monotonic_ns()
         self._order = Order(self.scenario.loop.grid())
         self._ring = Ring(request.window) if request.window else None
         head = {"run": manifest | {"recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z")}}
@@ -103,8 +106,9 @@ class RunFile:
 
     def flush_by_time(self) -> None:
         """In real time chunks close by the wall clock."""
-        if self._live and self.refusal is None:
-            self._guarded(lambda: self._parts.flush_by(time.monotonic_ns()))
+        if self._live and self.refusal is None and time.monotonic_ns() - self._flushed >= FLUSH_PERIOD:
+            self._guarded(self._parts.flush)
+            self._flushed = time.monotonic_ns()  # after it: a disk that is slow must leave time to write
 
     def close(self, facts: dict[str, Any]) -> None:
         """Write what waits, the summary and the index; `facts`: what the recorder says of itself."""
@@ -125,6 +129,8 @@ class RunFile:
             self.tally.add(topic, getattr(message, "source", 0) * (topic in SOURCED), sequence)
         if topic == "measurement":
             self.stamp = max(self.stamp, message.stamp)
+        if topic == "event" and message.kind == "ended":
+            self._ending = message.text
         if topic == "event" and message.kind in self.request.triggers:
             self.trigger(message.stamp)
 
@@ -171,8 +177,11 @@ class RunFile:
         self._parts.flush()
         paths = self._parts.paths[-1:] if self._ring is not None else self._parts.paths
         summary = summarise(_joined([read(path, NEEDED) for path in paths]), self.scenario, self.losses())
+        ending = self._ending or (
+            "complete in itself: the run went on" if self._ring is not None else summary["ending"]
+        )
         writer = self._parts.open()
-        writer.metadata("summary", summary | {"rejected": self.rejected})
+        writer.metadata("summary", summary | {"ending": ending, "rejected": self.rejected})
         writer.metadata("recorder", facts | {"longest_flush": max(self._parts.longest, writer.sink.longest)})
         self._parts.close()
 
