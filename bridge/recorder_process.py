@@ -57,7 +57,6 @@ class RecorderProcess:
     def _drain(self, file: RunFile) -> RunFile:
         """Write what has come; gives the file that is then open."""
         well = file.refusal is None
-        self._most = max(self._most, self._inbox.qsize())
         while self._saves:
             self._saves -= 1
             file.trigger(file.stamp)
@@ -90,7 +89,9 @@ class RecorderProcess:
 
     def _keep(self, topic: str, sample: Any) -> None:
         """In Zenoh's own thread, which must not wait for a disk."""
-        if self._inbox.qsize() < MOST_WAITING:
+        waiting = self._inbox.qsize()
+        self._most = max(self._most, waiting)
+        if waiting < MOST_WAITING:
             self._inbox.put((topic, sample))
         else:
             self.overflow[topic] += 1

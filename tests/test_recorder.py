@@ -144,15 +144,13 @@ def test_a_disk_that_refuses_leaves_whole_records(tmp_path):
     assert (tmp_path / "a").read_bytes() == b"a" * 1000 + b"c" * 10
 
 
-@pytest.fixture(params=["limit", "tmpfs"])
-def small_disk(request, tmp_path) -> Iterator[tuple[Path, int | None]]:
-    """A folder that soon has no room: a file system of 1 MB, or a limit [bytes] on the recorder's files."""
-    if request.param == "limit":
-        yield tmp_path, 700_000
-        return
+@pytest.fixture
+def small_disk(tmp_path) -> Iterator[tuple[Path, int | None]]:
+    """A file system of 1 MB; without the right to mount one, the kernel's limit on the recorder's files [bytes]."""
     mount = ["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(tmp_path)]
     if subprocess.run(mount, capture_output=True).returncode:
-        pytest.skip("no right to mount a small file system here; the other case has the kernel's limit on files")
+        yield tmp_path, 700_000
+        return
     try:
         yield tmp_path, None
     finally:
@@ -268,7 +266,7 @@ def killed(path: Path, roles: tuple[str, ...], seconds: float) -> None:
 ROLES = [("record",), ("plant",), ("controller",), ("plant", "controller", "record")]
 
 
-@pytest.mark.parametrize("roles", ROLES, ids="+".join)
+@pytest.mark.parametrize("roles", [ROLES[0], ROLES[-1]], ids="+".join)
 def test_a_kill_leaves_all_up_to_a_quarter_of_a_second_before_it(tmp_path, roles):
     killed(tmp_path / "a.mcap", roles, 0.7)
 

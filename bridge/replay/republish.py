@@ -53,7 +53,7 @@ def replay(path: Path, link: Link, playing: Playing) -> dict[str, Any]:
                 f"{' and '.join(others)} is live on the keys of this replay: stop it, choose other keys with --remap, "
                 "or say --force"
             )
-        sender = Sender(bus, recording, entries, keys)
+        sender = Sender(bus.session, recording, entries, keys)
         timeline = Timeline([entry.log_time for entry in entries], 0, playing.speed, playing.loop)
         player = Player(timeline, sender.send)
         held = [answer_queries(bus, rig, player), *_stand_in(bus, recording, keys)]
@@ -80,8 +80,8 @@ def selected(recording: Recording, playing: Playing) -> list[Entry]:
 class Sender:
     """Puts entries on the bus."""
 
-    def __init__(self, bus: Bus, recording: Recording, entries: list[Entry], keys: dict[str, str]) -> None:
-        self._publishers = {topic: _publisher(bus, recording, topic, key) for topic, key in keys.items()}
+    def __init__(self, session: Any, recording: Recording, entries: list[Entry], keys: dict[str, str]) -> None:
+        self._publishers = {topic: _publisher(session, recording, topic, key) for topic, key in keys.items()}
         self._puts = {topic: publisher.put for topic, publisher in self._publishers.items()}
         self._entries = entries
 
@@ -100,9 +100,9 @@ class Sender:
             time.sleep(0.01)
 
 
-def _publisher(bus: Bus, recording: Recording, topic: str, key: str) -> Any:
+def _publisher(session: Any, recording: Recording, topic: str, key: str) -> Any:
     facts = recording.channels[topic]
-    return bus.session.declare_publisher(
+    return session.declare_publisher(
         key,
         encoding=f"application/{facts.encoding};{facts.type}",
         congestion_control=zenoh.CongestionControl.BLOCK,
