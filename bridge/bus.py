@@ -45,9 +45,8 @@ class Bus:
         self._publishers: dict[str, Any] = {}
         self._declared: list[Any] = []
         self._status = 0
-        for topic in TOPICS.values():
-            if topic.publisher in (role, "all"):
-                self._publishers[topic.name] = self._declare(topic, blocking)
+        self._blocking = blocking
+        self.speak_as(role)
         self._last_words = self._declare(TOPICS["status"], blocking=True)
 
     def __enter__(self) -> "Bus":
@@ -59,6 +58,12 @@ class Bus:
     def close(self) -> None:
         """Leave the bus."""
         self.session.close()
+
+    def speak_as(self, role: str) -> None:
+        """Publish what a role publishes, too."""
+        for topic in TOPICS.values():
+            if topic.publisher in (role, "all") and topic.name not in self._publishers:
+                self._publishers[topic.name] = self._declare(topic, self._blocking)
 
     def publish(self, message: Outgoing, payload: bytes | None = None) -> None:
         """Send one message."""

@@ -60,6 +60,18 @@ int64 cost        # of integrating, sampling and publishing the measurement [ns]
 int64 round_trip  # measurement out to its command in [ns] wall; -1 without a new one
 int64 slack       # how long before it was needed the last command came [ns] wall; negative: late; 0 without one
 """,
+    "Residual": """\
+# What came out of a replay, less what was recorded; NaN where there is nothing to compare.
+uint64 run_id     # of the recorded run
+uint64 sequence
+int64 stamp       # [ns] of the measurement, of a command the sample it answers
+float64 position  # [m], of measurements
+float64 velocity  # [m/s]
+float64 p1        # [Pa]
+float64 p2        # [Pa]
+float64 p3        # [Pa]
+float64 spool     # spool reference, of commands
+""",
 }
 
 OTHER_MESSAGES: dict[str, str] = {
@@ -141,6 +153,7 @@ TOPICS: dict[str, Topic] = {
             False,
             "drop; the last one blocks",
         ),
+        Topic("residual", _own("Residual"), "replay", "as the replay goes", False, False),
         Topic("reset", "std_msgs/msg/Empty", "anybody", "to leave the safe state", False, False, "block"),
     )
 }
@@ -156,6 +169,7 @@ ValveCommand: Any = STORE.types[_own("ValveCommand")]
 Reference: Any = STORE.types[_own("Reference")]
 PlantState: Any = STORE.types[_own("PlantState")]
 LineProfile: Any = STORE.types[_own("LineProfile")]
+Residual: Any = STORE.types[_own("Residual")]
 LoopTiming: Any = STORE.types[_own("LoopTiming")]
 Event: Any = STORE.types[_own("Event")]
 Status: Any = STORE.types[_own("Status")]

@@ -1,69 +1,104 @@
-"""The recorder as a process: everything on a rig's keys into an MCAP file, losses counted."""
+"""The recorder as a process: everything on a rig's keys into MCAP files, losses counted."""
 
 import json
 import os
 import queue
+import sys
 import time
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from bridge.bus import Bus, stamp_of
-from bridge.clock import Stop
+from bridge.clock import NOTE, Stop
 from bridge.failure import RunError
 from bridge.link import Link
-from bridge.messages import TOPICS, decode
-from bridge.recording.order import Order
-from bridge.recording.reader import read
-from bridge.recording.tally import Tally
-from bridge.recording.writer import RecordingWriter
-from bridge.scenario import Scenario, check
-from bridge.summary import NEEDED, summarise
-from controller.sampling import NS
+from bridge.messages import TOPICS
+from bridge.recording.run_file import ORDERING, Arrival, Request, RunFile
 
-AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
-SOURCED = ("command", "reference")  # topics on which several sources may speak
 YIELDING = 5  # niceness: the loop's own processes come first
 PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
-
-
-class Arrival(NamedTuple):
-    """A message as it came off the bus."""
-
-    topic: str
-    payload: bytes
-    stamp: tuple[int, int] | None  # log time, sequence
+MOST_WAITING = 500_000  # messages, two minutes at 1 kHz and some 250 MB: a disk slower than that costs messages
+SAVE = "recorder/save"  # asked for, it is a trigger
 
 
 class RecorderProcess:
     """Records one run after the other; a new run id starts a new file."""
 
-    def __init__(self, bus: Bus, path: Path, patience: float, stop: Stop) -> None:
+    def __init__(self, bus: Bus, path: Path, patience: float, stop: Stop, request: Request | None = None) -> None:
         self.bus = bus
         self.patience = patience
         self.path = path
         self.stop = stop
+        self.request = request or Request()
+        self.overflow: Counter[str] = Counter()  # messages per topic that there was no room for
+        self._most = 0  # messages that have waited at a time
+        self._began = 0.0, 0.0  # seconds of this process's processor time, and of the wall clock
+        self._saves = 0  # triggers from outside that are not heeded yet
         self._inbox: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         for topic in TOPICS:
-            bus.subscribe(topic, lambda sample, topic=topic: self._inbox.put((topic, sample)))
+            if self.request.wants(topic) or topic in ORDERING:
+                bus.subscribe(topic, lambda sample, topic=topic: self._keep(topic, sample))
+        bus.answer(SAVE, self._save)
         bus.watch()
 
-    def run(self) -> Path:
-        """Record until the plant has ended or is gone. Raises RunError when no plant answers."""
-        file = OpenFile(self.path, self._manifest())
+    def run(self) -> list[Path]:
+        """Record until the plant has ended or is gone. Raises RunError when no plant answers or the disk refuses."""
+        file = self._opened(self.path, self._manifest(), 0)
         self.bus.announce()
+        self._began = time.process_time(), time.monotonic()
         while not self.stop() and not self._over(file):
             time.sleep(DRAIN_PERIOD)
-            for arrival in self._arrived():
-                if file.is_of_another_run(arrival):
-                    file = self._next_file(file)
-                file.take(arrival)
+            file = self._drain(file)
+        return self._close(file)
+
+    def _drain(self, file: RunFile) -> RunFile:
+        """Write what has come; gives the file that is then open."""
+        well = file.refusal is None
+        while self._saves:
+            self._saves -= 1
+            file.trigger(file.stamp)
+        for arrival in self._arrived():
+            if file.is_of_another_run(arrival):
+                file = self._next_file(file)
+            file.take(arrival)
             file.flush_by_time()
-        file.close()
-        lost = float(sum(file.tally.losses().values()))
-        self.bus.publish_status(file.run_id, file.stamp, "ended", {"lost": lost}, final=True)
-        return file.path
+        file.flush_by_time()
+        if well and file.refusal is not None:
+            print(f"{NOTE}{file.refusal}", file=sys.stderr, flush=True)
+            self.bus.publish_status(file.run_id, file.stamp, "failed", {}, file.refusal)
+        return file
+
+    def _close(self, file: RunFile) -> list[Path]:
+        file.close(self._facts())
+        unwritten = float(sum(file.unwritten.values()))
+        lost = {"lost": float(sum(file.losses().values())), "unwritten": unwritten}
+        phase = "failed" if file.refusal else "ended"
+        self.bus.publish_status(file.run_id, file.stamp, phase, lost, file.refusal or "", final=True)
+        if file.refusal:
+            raise RunError(f"{file.refusal} ({unwritten:.0f} messages are not in it)")
+        return file.paths
+
+    def _facts(self) -> dict[str, Any]:
+        """What the recorder says of itself."""
+        worked, took = time.process_time() - self._began[0], time.monotonic() - self._began[1]
+        share = worked / took if took > 0.0 else 0.0
+        return {"overflow": dict(self.overflow), "most_waiting": self._most, "processor_share": round(share, 4)}
+
+    def _keep(self, topic: str, sample: Any) -> None:
+        """In Zenoh's own thread, which must not wait for a disk."""
+        waiting = self._inbox.qsize()
+        self._most = max(self._most, waiting)
+        if waiting < MOST_WAITING:
+            self._inbox.put((topic, sample))
+        else:
+            self.overflow[topic] += 1
+
+    def _save(self) -> bytes:
+        self._saves += 1
+        return b"saved" if self.request.window else b"all is recorded anyway"
 
     def _manifest(self) -> dict[str, Any]:
         answer = self.bus.ask("scenario", self.patience, self.stop)
@@ -73,21 +108,27 @@ class RecorderProcess:
             )
         return json.loads(answer)
 
-    def _next_file(self, file: "OpenFile") -> "OpenFile":
+    def _opened(self, path: Path, manifest: dict[str, Any], number: int) -> RunFile:
+        try:
+            return RunFile(path, manifest, self.request, number)
+        except OSError as error:
+            raise RunError(f"{path}: {error.strerror}: record elsewhere with --output") from None
+
+    def _next_file(self, file: RunFile) -> RunFile:
         """A new file if the plant says that it has begun a new run; else it was somebody's noise."""
         manifest = self._manifest()
         if int(manifest["run_id"]) == file.run_id:
             return file
-        file.close()
+        self._close(file)
         path = self.path.with_stem(f"{self.path.stem}-{file.number + 1}")
-        return OpenFile(path, manifest, file.number + 1)
+        return self._opened(path, manifest, file.number + 1)
 
     def _arrived(self) -> Iterator[Arrival]:
         while not self._inbox.empty():
             topic, sample = self._inbox.get()
             yield Arrival(topic, sample.payload.to_bytes(), stamp_of(sample))
 
-    def _over(self, file: "OpenFile") -> bool:
+    def _over(self, file: RunFile) -> bool:
         if file.ended_at is None:
             return not self.bus.present.get("plant", {"?"}) and self._inbox.empty()
         expected = {"plant"} | ({"controller"} & set(self.bus.present))
@@ -95,100 +136,9 @@ class RecorderProcess:
         return settled or time.monotonic() - file.ended_at > PATIENCE
 
 
-class OpenFile:
-    """One run being written."""
-
-    def __init__(self, path: Path, manifest: dict[str, Any], number: int = 0) -> None:
-        self.path = path
-        self.number = number
-        self.scenario: Scenario = check(manifest["scenario"], "the plant's scenario")
-        self.run_id = int(manifest["run_id"])
-        self.stamp = 0
-        self.ended_at: float | None = None
-        self.announced: set[str] = set()  # roles that have said how many messages they sent
-        self.tally = Tally(from_start=manifest["tick"] == 0)
-        self.rejected = 0
-        self._live = manifest["mode"] == "realtime"
-        self._writer = RecordingWriter(path, self.scenario.rig_name)
-        self._writer.metadata("run", manifest | {"recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z")})
-        self._writer.flush()
-        self._order = Order(self.scenario.loop.grid())
-
-    def is_of_another_run(self, arrival: Arrival) -> bool:
-        """A measurement of another run than this file's?"""
-        if arrival.topic != "measurement":
-            return False
-        try:
-            return decode(arrival.payload, "measurement").run_id != self.run_id
-        except ValueError:
-            return False
-
-    def take(self, arrival: Arrival) -> None:
-        """Write a message, or keep it until its place has come; what is no message of this run is counted."""
-        try:
-            message = decode(arrival.payload, arrival.topic)
-            log_time, sequence = self._place(arrival, message)
-        except ValueError:
-            self.rejected += 1
-            return
-        if arrival.topic != "status":
-            self.tally.add(arrival.topic, getattr(message, "source", 0) * (arrival.topic in SOURCED), sequence)
-        if arrival.topic == "measurement":
-            self.stamp = max(self.stamp, message.stamp)
-        if arrival.topic == "status":
-            self._note_status(message)
-        if self._live:
-            self._writer.write(arrival.topic, log_time, sequence, arrival.payload)
-            return
-        for ready_topic, ready_time, ready_sequence, payload in self._ordered(arrival, log_time, sequence):
-            self._writer.write(ready_topic, ready_time, ready_sequence, payload)
-            self._writer.flush_by(ready_time)
-
-    def flush_by_time(self) -> None:
-        """In real time chunks close by the wall clock."""
-        if self._live:
-            self._writer.flush_by(time.monotonic_ns())
-
-    def close(self) -> None:
-        """Write what waits, the summary and the index."""
-        for topic, log_time, sequence, payload in self._order.rest():
-            self._writer.write(topic, log_time, sequence, payload)
-        self._writer.flush()
-        summary = summarise(read(self.path, NEEDED), self.scenario, self.tally.losses())
-        self._writer.metadata("summary", summary | {"rejected": self.rejected})
-        self._writer.close()
-
-    def _ordered(self, arrival: Arrival, log_time: int, sequence: int):
-        return self._order.add(arrival.topic, log_time, sequence, arrival.payload)
-
-    def _place(self, arrival: Arrival, message: Any) -> tuple[int, int]:
-        """Log time and sequence; a command's come from itself, so that any controller's can be recorded."""
-        if arrival.topic == "command":
-            if message.run_id != self.run_id or not 0 <= message.sample_stamp <= self.stamp + AHEAD:
-                raise ValueError("not a command of this run")
-            return message.sample_stamp, message.sequence
-        if arrival.topic != "status" and getattr(message, "run_id", self.run_id) != self.run_id:
-            raise ValueError("not of this run")
-        if arrival.stamp is None or arrival.stamp[0] < 0:
-            raise ValueError("no stamp")
-        return arrival.stamp
-
-    def _note_status(self, status: Any) -> None:
-        counts = {
-            name.removeprefix("published/"): round(value)
-            for name, value in zip(status.names, status.values, strict=True)
-            if name.startswith("published/")
-        }
-        if counts:
-            self.announced.add(status.role)
-            self.tally.announce(counts)
-        if status.role == "plant" and status.phase not in ("running", "safe"):
-            self.ended_at = time.monotonic()
-
-
-def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool) -> Path:
-    """Record a rig until its plant ends; returns the last file. Raises RunError or LinkError with one line."""
+def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool, request: Request | None = None) -> list[Path]:
+    """Record a rig until its plant ends; returns the last run's files. Raises RunError or LinkError with one line."""
     stop = Stop()
     os.nice(YIELDING)
     with Bus(link, rig_name, "recorder", blocking=blocking) as bus:
-        return RecorderProcess(bus, path, link.patience, stop).run()
+        return RecorderProcess(bus, path, link.patience, stop, request).run()

@@ -31,6 +31,7 @@ UNITS: dict[str, dict[str, Unit]] = {
     "Hz": {"Hz": Unit(1.0), "kHz": Unit(1e3), "1/s": Unit(1.0), "rpm": Unit(1.0 / MINUTE), "1/min": Unit(1.0 / MINUTE)},
     "rad": {"rad": Unit(1.0), "deg": Unit(math.pi / 180.0)},
     "degC": {"degC": Unit(1.0), "K": Unit(1.0, -273.15)},
+    "byte": {"B": Unit(1.0), "kB": Unit(1e3), "MB": Unit(1e6), "GB": Unit(1e9)},
     "bit": {"bit": Unit(1.0)},
     "LSB": {"LSB": Unit(1.0)},
     "": {"": Unit(1.0), "%": Unit(1e-2)},

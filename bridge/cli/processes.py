@@ -1,4 +1,4 @@
-"""Verbs that are processes of the loop: plant, controller, record, router, reset."""
+"""Verbs that are processes of the loop: plant, controller, router, reset."""
 
 import time
 from pathlib import Path
@@ -22,7 +22,7 @@ FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locke
 SUPERVISED = Annotated[bool, typer.Option("--supervised", hidden=True)]
 
 
-def _supervised(yes: bool) -> None:
+def supervised_by_parent(yes: bool) -> None:
     if yes:
         from bridge.clock import die_with_parent
 
@@ -54,7 +54,7 @@ def plant(
     It holds no control law. In real time it starts at once (or with its --await partners) and keeps the valve
     centred until a controller speaks; in lockstep it waits for each command.
     """
-    _supervised(supervised)
+    supervised_by_parent(supervised)
     from bridge.identity import fresh
     from bridge.link import Link
     from bridge.plant_process import PlantOptions, run_plant
@@ -104,7 +104,7 @@ def controller(
     With --law module:function the law is yours: a function of (sample, target, memory, gains) that returns
     (spool, memory); memory is None at the first sample.
     """
-    _supervised(supervised)
+    supervised_by_parent(supervised)
     from bridge.controller_process import run_controller
     from bridge.identity import fresh
     from bridge.link import Link
@@ -114,33 +114,6 @@ def controller(
     checked = load(scenario, [*(changes or []), *own])
     link = Link(None, connect, zenoh_config, patience)
     run_controller(checked, link, mode.value, fresh() if source is None else source, fifo)
-
-
-def record(
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="File to write. [default: runs/RIG-TIME.mcap]", show_default=False),
-    ] = None,
-    rig: Annotated[str, typer.Option(help="Name of the rig to record.")] = "rig",
-    mode: MODE = ProcessMode.realtime,
-    connect: CONNECT = DEFAULT_ENDPOINT,
-    zenoh_config: CONFIG = None,
-    patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
-    as_json: AS_JSON = False,
-    supervised: SUPERVISED = False,
-) -> None:
-    """Record everything on a rig's keys to an MCAP file until the plant ends."""
-    _supervised(supervised)
-    from bridge.link import Link
-    from bridge.recorder_process import run_recorder
-
-    path = output or Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
-    link = Link(None, connect, zenoh_config, patience)
-    written = run_recorder(path, rig, link, mode == ProcessMode.lockstep)
-    if as_json:
-        print_json({"recording": str(written)})
-    else:
-        print(f"hydrotwin: recorded {written}")
 
 
 def router(

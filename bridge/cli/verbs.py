@@ -1,6 +1,6 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
-from bridge.cli import inspect, looking, processes, running
+from bridge.cli import inspect, looking, processes, record, recordings, replay, running
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {
@@ -12,13 +12,25 @@ PANELS = {
         inspect.convergence,
         looking.view,
         looking.report,
+        recordings.info,
+        recordings.compare,
+        recordings.recover,
+        recordings.export,
         inspect.digest,
         inspect.messages,
         inspect.figures,
         inspect.figure,
         inspect.doctor,
     ),
-    PROCESSES: (processes.plant, processes.controller, processes.record, processes.router, processes.reset),
+    PROCESSES: (
+        processes.plant,
+        processes.controller,
+        record.record,
+        replay.replay,
+        replay.remote,
+        processes.router,
+        processes.reset,
+    ),
 }
 for _panel, _verbs in PANELS.items():
     for _verb in _verbs:

@@ -2,18 +2,20 @@
 
 import json
 import struct
+import zlib
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import lz4.frame
 import numpy as np
 import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Metadata
+from mcap.records import Channel, Chunk, Metadata, Schema
 from mcap.stream_reader import StreamReader
 from numpy.typing import NDArray
 
@@ -33,6 +35,15 @@ class Entry(NamedTuple):
     data: bytes
 
 
+class ChannelFacts(NamedTuple):
+    """What a file says of a channel."""
+
+    key: str  # in full
+    type: str
+    encoding: str
+    definition: str  # `.msg` text, or whatever the schema is
+
+
 class Recording(NamedTuple):
     """What a file holds, in file order."""
 
@@ -41,6 +52,7 @@ class Recording(NamedTuple):
     metadata: dict[str, dict[str, Any]]
     complete: bool  # False: the file was cut off; what came before is here
     counts: dict[str, int]  # messages per topic, those not read included
+    channels: Mapping[str, ChannelFacts] = {}  # per topic
 
     def of(self, topic: str) -> Iterator[Entry]:
         """The messages of one topic."""
@@ -74,12 +86,12 @@ def recording(path: Path, entries: list[Entry], metadata: dict[str, dict[str, An
     return Recording(path, entries, metadata, True, dict(Counter(entry.topic for entry in entries)))
 
 
-def read(path: Path, topics: Collection[str] = TOPICS) -> Recording:
+def read(path: Path, topics: Collection[str] | None = None) -> Recording:
     """Read a file, or some of its topics. Raises ScenarioError when there is none or it is no MCAP."""
     counts: Counter[str] = Counter()
     entries: list[Entry] = []
     metadata: dict[str, dict[str, Any]] = {}
-    channels: dict[int, str] = {}
+    index = Index()
     complete = True
     try:
         with path.open("rb") as file:
@@ -87,45 +99,70 @@ def read(path: Path, topics: Collection[str] = TOPICS) -> Recording:
                 raise ScenarioError(f"{path}: not an MCAP file")
             file.seek(0)
             for record in StreamReader(file, emit_chunks=True).records:
-                if isinstance(record, Channel):
-                    channels[record.id] = _below_rig(record.topic)
+                if isinstance(record, Channel | Schema):
+                    index.add(record)
                 elif isinstance(record, Chunk):
-                    entries.extend(_messages(record, channels, topics, counts))
+                    entries.extend(_messages(record, index, topics, counts))
                 elif isinstance(record, Metadata):
                     metadata[record.name] = {key: _value(text) for key, text in record.metadata.items()}
     except OSError as error:
         raise ScenarioError(f"{path}: {error.strerror}") from None
-    except (McapError, ValueError, zstandard.ZstdError):
+    except (McapError, ValueError, KeyError, struct.error, RuntimeError, zstandard.ZstdError):
         complete = False
-    return Recording(path, entries, metadata, complete, dict(counts))
+    return Recording(path, entries, metadata, complete, dict(counts), index.facts)
 
 
-def _messages(chunk: Chunk, channels: dict[int, str], topics: Collection[str], counts: Counter[str]) -> Iterator[Entry]:
+class Index:
+    """The channels of a file by their number there."""
+
+    def __init__(self) -> None:
+        self.topics: dict[int, str] = {}
+        self.facts: dict[str, ChannelFacts] = {}
+        self._schemas: dict[int, Schema] = {}
+
+    def add(self, record: Channel | Schema) -> None:
+        """Take note of a channel or of its type."""
+        if isinstance(record, Schema):
+            self._schemas[record.id] = record
+            return
+        schema = self._schemas.get(record.schema_id)
+        topic = self.topics[record.id] = _below_rig(record.topic)
+        name, text = (schema.name, schema.data.decode(errors="replace")) if schema else ("", "")
+        self.facts[topic] = ChannelFacts(record.topic, name, record.message_encoding, text)
+
+
+def _messages(chunk: Chunk, index: Index, topics: Collection[str] | None, counts: Counter[str]) -> Iterator[Entry]:
     """The messages of a chunk, walked by the format's own layout: five times faster than record by record."""
     data = decompressed(chunk)
     at = 0
     while at < len(data):
         opcode, length = RECORD.unpack_from(data, at)
         at += RECORD.size
-        if opcode == Opcode.CHANNEL:
-            channel = Channel.read(ReadDataStream(BytesIO(data[at : at + length])))
-            channels[channel.id] = _below_rig(channel.topic)
-        elif opcode == Opcode.MESSAGE:
+        if opcode == Opcode.MESSAGE:
             channel_id, sequence, log_time, _ = MESSAGE.unpack_from(data, at)
-            topic = channels[channel_id]
+            topic = index.topics[channel_id]
             counts[topic] += 1
-            if topic in topics:
+            if topics is None or topic in topics:
                 yield Entry(topic, log_time, sequence, data[at + MESSAGE.size : at + length])
+        elif opcode in (Opcode.CHANNEL, Opcode.SCHEMA):
+            kind = Channel if opcode == Opcode.CHANNEL else Schema
+            index.add(kind.read(ReadDataStream(BytesIO(data[at : at + length]))))
         at += length
 
 
 def decompressed(chunk: Chunk) -> bytes:
-    """What a chunk holds; ours are zstd."""
+    """What a chunk holds, checked. Ours are zstd."""
     if chunk.compression == "zstd":
-        return zstandard.decompress(chunk.data, chunk.uncompressed_size)
-    if chunk.compression:
-        raise McapError(f"compression {chunk.compression!r} is none of ours")
-    return chunk.data
+        data = zstandard.decompress(chunk.data, chunk.uncompressed_size)
+    elif chunk.compression == "lz4":
+        data = lz4.frame.decompress(chunk.data)
+    elif chunk.compression:
+        raise McapError(f"compression {chunk.compression!r} is unknown")
+    else:
+        data = chunk.data
+    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
+        raise McapError("a chunk is damaged")
+    return data
 
 
 def _below_rig(topic: str) -> str:

@@ -4,17 +4,22 @@
 """
 
 import json
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Collection, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from mcap.data_stream import RecordBuilder
+from mcap.records import Metadata
 from mcap.writer import CompressionType, Writer
 
 from bridge.messages import TOPICS, definition, type_hash
+from bridge.recording.sink import Sink
 from controller.sampling import NS
 
 CHUNK = 8 * 1024 * 1024  # bytes; flushing by time closes them long before
-FLUSH_PERIOD = NS // 4
+FLUSH_PERIOD = NS // 5  # a kill is to lose no more than 0.25 s: this, and the time until it is noticed
 QOS = """\
 - history: 3
   depth: 0
@@ -29,16 +34,18 @@ QOS = """\
 
 
 class RecordingWriter:
-    """One file of one run."""
+    """One file of one run. Whatever writes to the disk raises OSError; the file then ends with what was whole."""
 
-    def __init__(self, path: Path, rig_name: str) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    def __init__(self, path: Path, rig_name: str, topics: Collection[str] | None = None, fsync: bool = False) -> None:
         self.path = path
         self.rig_name = rig_name
-        self._file = path.open("wb")
-        self._writer = Writer(self._file, chunk_size=CHUNK, compression=CompressionType.ZSTD)
+        self.pending: Counter[str] = Counter()  # messages per topic since the last flush
+        self.span: tuple[int, int] | None = None  # first and last log time
+        self.sink = Sink(path, fsync)
+        self._writer = Writer(self.sink, chunk_size=CHUNK, compression=CompressionType.ZSTD)  # type: ignore[arg-type]
         self._writer.start(profile="ros2", library="hydrotwin")
-        self._channels = {topic.name: self._register(topic.name) for topic in TOPICS.values()}
+        chosen = [topic.name for topic in TOPICS.values() if topics is None or topic.name in topics]
+        self._channels = {name: self._register(name) for name in chosen}
         self._flushed = 0
 
     def write(self, topic: str, log_time: int, sequence: int, payload: bytes) -> None:
@@ -50,6 +57,9 @@ class RecordingWriter:
             sequence=sequence & 0xFFFFFFFF,
             data=payload,
         )
+        self.pending[topic] += 1
+        begin, end = self.span or (log_time, log_time)
+        self.span = min(begin, log_time), max(end, log_time)
 
     def metadata(self, name: str, values: Mapping[str, Any]) -> None:
         """Add a named record of facts about the run; values that are no text are written as JSON."""
@@ -64,13 +74,26 @@ class RecordingWriter:
 
     def flush(self) -> None:
         """Close the chunk and hand everything to the operating system."""
-        self._writer.flush()
-        self._file.flush()
+        self._writer.flush()  # the sink too
+        self.pending.clear()
 
     def close(self) -> None:
         """Write summary and index."""
         self._writer.finish()
-        self._file.close()
+        self.sink.close()
+
+    def give_up(self, name: str, words: Mapping[str, str]) -> None:
+        """After the disk has refused: last words into the room kept for them, and no more."""
+        with suppress(OSError):
+            self._last_words(name, words)
+        self.sink.abandon()
+
+    def _last_words(self, name: str, words: Mapping[str, str]) -> None:
+        """A record past the writer: what waits in its chunk is lost with the disk's refusal."""
+        record = RecordBuilder()
+        Metadata(name=name, metadata=dict(words)).write(record)
+        self.sink.write(record.end())
+        self.sink.flush()
 
     def _register(self, name: str) -> int:
         kind = TOPICS[name].type

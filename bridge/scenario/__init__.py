@@ -1,6 +1,6 @@
 """Scenarios: what is simulated, controlled and expected, as TOML checked on the way in."""
 
-from bridge.scenario.loading import ScenarioError, check, load, names
+from bridge.scenario.loading import ScenarioError, changed, check, load, names
 from bridge.scenario.model import Scenario
 
-__all__ = ["Scenario", "ScenarioError", "check", "load", "names"]
+__all__ = ["Scenario", "ScenarioError", "changed", "check", "load", "names"]

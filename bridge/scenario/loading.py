@@ -1,9 +1,10 @@
 """Scenario files: found, read, changed from the command line, and checked with one line per mistake."""
 
+import copy
 import difflib
 import json
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,14 @@ def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         if isinstance(base.get(key), dict) and isinstance(own[key], dict)
     }
     return base | own | both
+
+
+def changed(data: dict[str, Any], changes: Iterable[str], which: str) -> Scenario:
+    """The scenario that plain data describe, with changes. Raises ScenarioError with one line per mistake."""
+    own = copy.deepcopy(data)
+    for change in changes:
+        _apply(own, change)
+    return check(own, which)
 
 
 def check(data: dict[str, Any], which: str) -> Scenario:

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tests.benchmarks import lines, loop, plant, recorder, relief, start, timing, view
+from tests.benchmarks import lines, loop, plant, recorder, relief, replay, start, timing, view
 
 SECTIONS = {
     "plant": plant.rows,
@@ -16,6 +16,7 @@ SECTIONS = {
     "loop": loop.rows,
     "timing": timing.rows,
     "recorder": recorder.rows,
+    "replay": replay.rows,
     "start": start.rows,
     "view": view.rows,
 }

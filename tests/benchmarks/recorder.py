@@ -11,6 +11,7 @@ from bridge.messages import TOPICS, encode
 from bridge.recording.order import Order
 from bridge.recording.reader import read
 from bridge.recording.writer import RecordingWriter
+from bridge.run import RunRequest, run_scenario
 from bridge.scenario import load
 from tests.benchmarks.plant import Row
 
@@ -27,6 +28,11 @@ def rows(folder: Path) -> Iterator[Row]:
     reading = _timed(lambda: read(folder / "ours.mcap"))
     yield "reading it back", f"{len(messages) / reading:,.0f} messages/s", f"{10 / reading:.0f} x real time", ""
     yield "size of a recording", f"{size:.1f} MB a minute", "", ""
+    changes = ["duration=20", "loop.sample_period=0.001", "real_time.overruns=100000", "real_time.length=10"]
+    run = RunRequest("realtime", 1.0, False, folder / "run.mcap", 10.0, False, None)
+    lost = sum(run_scenario(load("step", changes), run).summary["lost"].values())
+    facts = read(folder / "run.mcap", ()).metadata["recorder"]
+    yield "recorder beside a loop at 1 kHz", f"{100 * facts['processor_share']:.1f} % of a core", f"{lost} lost", ""
 
 
 def _ours(path: Path, scenario, messages) -> None:

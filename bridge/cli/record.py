@@ -1,0 +1,111 @@
+"""The verb record, with all that can be said of what to keep."""
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from bridge.cli.app import AS_JSON, ProcessMode, print_json
+from bridge.cli.processes import CONFIG, CONNECT, MODE, SUPERVISED, supervised_by_parent
+from bridge.link import DEFAULT_ENDPOINT
+
+if TYPE_CHECKING:
+    from bridge.recording.run_file import Request
+
+TRIGGERS = "late,refused,safe"
+TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
+WITHOUT = Annotated[list[str] | None, typer.Option("--without", help="Leave these out. Repeatable.")]
+
+
+def record(
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write. [default: runs/RIG-TIME.mcap]", show_default=False),
+    ] = None,
+    rig: Annotated[str, typer.Option(help="Name of the rig to record.")] = "rig",
+    mode: MODE = ProcessMode.realtime,
+    topics: TOPICS = None,
+    without: WITHOUT = None,
+    split_size: Annotated[str | None, typer.Option(help="Begin a new file after so much: '100 MB'.")] = None,
+    split_time: Annotated[str | None, typer.Option(help="Begin a new file after so long: '60 s'.")] = None,
+    ring: Annotated[str | None, typer.Option(help="Keep only the last '10 s' before a trigger.")] = None,
+    after: Annotated[str, typer.Option(help="With --ring: and so much after it.")] = "1 s",
+    triggers: Annotated[str, typer.Option(help="With --ring: kinds of events, or 'none' to save by query.")] = TRIGGERS,
+    meta: Annotated[list[str] | None, typer.Option(metavar="KEY=VALUE", help="Your own words. Repeatable.")] = None,
+    fsync: Annotated[bool, typer.Option("--fsync", help="Have each chunk on the disk itself: for power cuts.")] = False,
+    connect: CONNECT = DEFAULT_ENDPOINT,
+    zenoh_config: CONFIG = None,
+    patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
+    as_json: AS_JSON = False,
+    supervised: SUPERVISED = False,
+) -> None:
+    """Record everything on a rig's keys to an MCAP file until the plant ends.
+
+    With --ring nothing is written until something happens: an event, or a query to RIG/recorder/save.
+    """
+    supervised_by_parent(supervised)
+    from bridge.link import Link
+    from bridge.recorder_process import run_recorder
+
+    request = _request(topics, without, (split_size, split_time, fsync), (ring, after, triggers), meta)
+    path = output or Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
+    link = Link(None, connect, zenoh_config, patience)
+    written = run_recorder(path, rig, link, mode == ProcessMode.lockstep, request)
+    if as_json:
+        print_json({"recording": str(written[-1]) if written else None, "parts": [str(part) for part in written]})
+    else:
+        print("\n".join(f"hydrotwin: recorded {part}" for part in written) or "hydrotwin: no trigger, no file")
+
+
+def _request(
+    topics: list[str] | None,
+    without: list[str] | None,
+    files: tuple[str | None, str | None, bool],
+    kept: tuple[str | None, str, str],
+    meta: list[str] | None,
+) -> "Request":
+    from bridge.messages import TOPICS as ALL
+    from bridge.recording.choice import choose
+    from bridge.recording.parts import Keeping
+    from bridge.recording.ring import Window
+    from bridge.recording.run_file import Request
+
+    size, seconds, fsync = files
+    ring, after, triggers = kept
+    keeping = Keeping(
+        choose(ALL, topics, without) if topics or without else None,
+        None if size is None else round(_quantity("--split-size", size, "byte")),
+        None if seconds is None else nanoseconds("--split-time", seconds),
+        fsync,
+    )
+    window = None if ring is None else Window(nanoseconds("--ring", ring), nanoseconds("--after", after))
+    kinds = () if triggers == "none" else tuple(kind.strip() for kind in triggers.split(","))
+    return Request(keeping, window, kinds, tuple(_pair(text) for text in meta or []))
+
+
+def nanoseconds(option: str, text: str) -> int:
+    """A time that an option gives, such as "1.2 s" [ns]. Raises ScenarioError."""
+    return round(_quantity(option, text, "s") * 1e9)
+
+
+def _quantity(option: str, text: str, unit: str) -> float:
+    from bridge.scenario import ScenarioError
+    from bridge.units import quantity
+
+    try:
+        found = quantity(text, unit)
+    except ValueError as error:
+        raise ScenarioError(f"{option} {text}: {error}") from None
+    if not 0.0 <= found < 1e15:
+        raise ScenarioError(f"{option} {text}: must be at least 0")
+    return found
+
+
+def _pair(text: str) -> tuple[str, str]:
+    from bridge.scenario import ScenarioError
+
+    key, sign, value = text.partition("=")
+    if not sign or not key:
+        raise ScenarioError(f"--meta {text}: write KEY=VALUE, such as --meta operator=Ada")
+    return key, value

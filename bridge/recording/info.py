@@ -1,0 +1,143 @@
+"""What a recording is, and how its run went: facts, channels with their rates and gaps, events, metrics."""
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bridge.messages import decode
+from bridge.recording.reader import Recording
+from bridge.recording.run_file import SOURCED
+from bridge.recording.tally import Tally
+from bridge.scenario import ScenarioError
+from bridge.summary import verdict
+from controller.sampling import NS
+
+PAUSE = 1.5  # periods without a message are a gap
+RUN = ("run_id", "mode", "speed", "recorded", "versions", "host")
+
+
+class ChannelInfo(NamedTuple):
+    """One channel."""
+
+    topic: str
+    type: str
+    messages: int
+    first: float  # log time [s]
+    last: float
+    rate: float | None  # [1/s], by the median of the intervals; None for fewer than three messages
+    gaps: int  # intervals longer than 1.5 of the median
+    longest: float | None  # interval [s]
+    lost: int  # by the sequence
+
+
+def describe(recording: Recording) -> dict[str, Any]:
+    """Plain data on a recording, for JSON and for people."""
+    known = recording.metadata
+    run = known.get("run", {})
+    events = [_event(event) for event in recording.messages("event")] if "event" in recording.counts else []
+    return {
+        "file": str(recording.path),
+        "size": _size(recording.path),
+        "complete": recording.complete,
+        "problems": problems(recording),
+        "scenario": run.get("scenario", {}).get("name"),
+        "title": run.get("scenario", {}).get("title"),
+        "rig": run.get("scenario", {}).get("rig_name"),
+        **{name: run[name] for name in RUN if name in run},
+        "metadata": {name: values for name, values in known.items() if name not in ("run", "summary")},
+        "channels": [channel._asdict() for channel in channels(recording)],
+        "events": events,
+        "ending": known.get("summary", {}).get("ending"),
+        "metrics": known.get("summary", {}).get("metrics", {}),
+        "timing": known.get("summary", {}).get("timing", {}),
+        "commands": known.get("summary", {}).get("commands", {}),
+        "lost": known.get("summary", {}).get("lost", {}),
+    }
+
+
+def problems(recording: Recording) -> list[str]:
+    """What is not as it should be, one sentence each; empty for a run that ended well."""
+    known, found = recording.metadata, []
+    recovered = "recovered" in known
+    if not recording.complete:
+        found.append("the run ended badly: the file was cut off; `hydrotwin recover` makes it whole")
+    if "refused" in known:
+        found.append(
+            f"the run ended badly for the recorder: {known['refused']['reason']} at {known['refused']['time']}"
+        )
+    if recovered:
+        found.append("the run ended badly: this file was recovered from one that was cut off")
+    if damaged := int(known.get("recovered", {}).get("damaged_chunks", 0)):
+        found.append(f"{damaged} damaged chunks were left out in recovery")
+    if overflow := known.get("recorder", {}).get("overflow"):
+        found.append(f"the disk was too slow: the recorder had no room for {overflow}")
+    return found + _verdict(recording)
+
+
+def _verdict(recording: Recording) -> list[str]:
+    known = recording.metadata
+    if "summary" in known:
+        try:
+            return [f"the run went badly: {fault}" for fault in verdict(known["summary"], recording.scenario())]
+        except ScenarioError:
+            return []
+    return _unsummed(known) if "run" in known and recording.complete and "recovered" not in known else []
+
+
+def _unsummed(known: dict[str, Any]) -> list[str]:
+    following = known.get("part_end", {}).get("next")
+    return [] if following else ["the run ended badly: the file says nothing of its end"]
+
+
+def channels(recording: Recording) -> list[ChannelInfo]:
+    """Every channel that has messages, in the order of their names."""
+    grouped: dict[str, list[Any]] = {}
+    for entry in recording.entries:
+        grouped.setdefault(entry.topic, []).append(entry)
+    losses = _losses(recording)
+    return [_channel(recording, topic, grouped[topic], losses) for topic in sorted(grouped)]
+
+
+def _channel(recording: Recording, topic: str, entries: list[Any], losses: dict[str, int]) -> ChannelInfo:
+    times = np.sort(np.array([entry.log_time for entry in entries], dtype=np.int64))
+    steps = np.diff(times)
+    steps = steps[steps > 0]
+    median = float(np.median(steps)) if len(steps) > 1 else None
+    facts = recording.channels.get(topic)
+    return ChannelInfo(
+        topic,
+        facts.type if facts else "",
+        len(entries),
+        float(times[0]) / NS,
+        float(times[-1]) / NS,
+        NS / median if median else None,
+        int(np.sum(steps > PAUSE * median)) if median and topic != "event" else 0,
+        float(steps.max()) / NS if len(steps) else None,
+        losses.get(topic, 0),
+    )
+
+
+def _losses(recording: Recording) -> dict[str, int]:
+    """Gaps in the publishers' sequences, as far as the file shows them."""
+    tally = Tally(from_start=False)
+    for entry in recording.entries:
+        if entry.topic == "status":
+            continue
+        source = decode(entry.data, entry.topic).source if entry.topic in SOURCED else 0
+        tally.add(entry.topic, source, entry.sequence)
+    return tally.losses()
+
+
+def _event(event: Any) -> dict[str, Any]:
+    return {"time": event.stamp / NS, "kind": event.kind, "text": event.text}
+
+
+def _size(path: Path) -> int | None:
+    return path.stat().st_size if path.is_file() else None
+
+
+def plain(value: Any) -> str:
+    """A fact in one line."""
+    return value if isinstance(value, str) else json.dumps(value)

@@ -1,0 +1,68 @@
+"""The signals of a recording: every number of its flat messages by the instant it belongs to, with its unit."""
+
+import re
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge.bands import SIGNALS
+from bridge.messages import TOPICS, described, struct_format
+from bridge.recording.reader import Recording
+from controller.sampling import NS
+
+COMPARED = ("measurement", "state", "command", "reference")
+INSTANTS = {"command": "sample_stamp"}  # of others "stamp"
+IDENTITY = ("run_id", "source", "sequence", "tick", "stamp", "sample_stamp")
+_COMMENT = re.compile(r"^\S+ (\w+)\s*#(.*)$", re.MULTILINE)
+_UNIT = re.compile(r"\[([^\]]+)\]")
+
+
+class Signal(NamedTuple):
+    """One number over time."""
+
+    name: str  # topic.field
+    unit: str
+    stamp: NDArray[np.int64]  # [ns]
+    value: NDArray[np.float64]  # an `apply_at` in seconds
+
+
+def units(topic: str) -> dict[str, str]:
+    """Unit of each field of a topic, as the message table states it; "" where there is none."""
+    stated = {name: (_UNIT.search(comment) or ["", ""])[1] for name, comment in _COMMENT.findall(_text(topic))}
+    stated = {name: unit for name, unit in stated.items() if (unit and " " not in unit) or unit in _SPACED}
+    return stated | ({n: u for n, u in SIGNALS.items() if u} if topic == "state" else {}) | _STANDARD.get(topic, {})
+
+
+_SPACED = ("Pa s/m^3",)
+_STANDARD = {"joint": {"position": "m", "velocity": "m/s", "effort": "N"}} | {
+    topic: {"fluid_pressure": "Pa", "variance": "Pa^2"} for topic in TOPICS if topic.startswith("pressure/")
+}
+_STANDARD |= {topic: {"stamp": "ns"} for topic in ("measurement", "state", "timing", "lines")}
+
+
+def _text(topic: str) -> str:
+    return described(TOPICS[topic].type)
+
+
+def signals_of(recording: Recording, topics: tuple[str, ...] = COMPARED) -> dict[str, Signal]:
+    """Every signal of some topics, in the order of their instants."""
+    found = {}
+    for topic in topics:
+        if recording.counts.get(topic) and struct_format(TOPICS[topic].type):
+            found |= {signal.name: signal for signal in _of_topic(topic, recording.columns(topic))}
+    return found
+
+
+def _of_topic(topic: str, columns: dict[str, NDArray[Any]]) -> list[Signal]:
+    stamp = columns[INSTANTS.get(topic, "stamp")].astype(np.int64)
+    order, known = np.argsort(stamp, kind="stable"), units(topic)
+    signals = []
+    for name, values in columns.items():
+        if name in IDENTITY:
+            continue
+        unit, value = known.get(name, ""), values[order].astype(np.float64)
+        if unit == "ns":
+            unit, value = "s", value / NS
+        signals.append(Signal(f"{topic}.{name}", unit, stamp[order], value))
+    return signals

@@ -1,0 +1,122 @@
+"""Recorded measurements into a controller: which of them it got, and the controller as a process fed with those."""
+
+import queue
+import subprocess
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from bridge.bus import Bus
+from bridge.controller_side import ControllerSide
+from bridge.failure import RunError
+from bridge.messages import Outgoing, decode
+from bridge.recording.reader import Entry, Recording
+from bridge.scenario import Scenario, ScenarioError
+from bridge.supervisor import Child
+from controller.sampling import Sampling, is_sample
+
+PATIENCE = 10.0  # seconds for an answer
+STARTUP = 60.0  # seconds for the controller to appear
+
+
+def owner(recording: Recording) -> int:
+    """The source of most commands: that of the controller to be replayed."""
+    sources = Counter(command.source for command in recording.messages("command"))
+    if not sources:
+        raise ScenarioError(f"{recording.path}: no command in it to compare with")
+    return sources.most_common(1)[0][0]
+
+
+def only(recording: Recording, source: int) -> Recording:
+    """The recording without what other controllers said."""
+    kept = [e for e in recording.entries if e.topic not in ("command", "reference") or _source(e) == source]
+    return recording._replace(entries=kept, counts=recording.counts | dict(Counter(e.topic for e in kept)))
+
+
+def _source(entry: Entry) -> int:
+    return decode(entry.data, entry.topic).source
+
+
+def heard(recording: Recording, grid: Sampling) -> list[Entry]:
+    """The measurements that the controller answered, or may have: it counts its answers, so none can hide.
+
+    A sample without a command was heard if a number is missing there: then its answer got lost on the way to the file.
+    """
+    sequences = {command.sample_stamp: command.sequence for command in recording.messages("command")}
+    entries = sorted(recording.of("measurement"), key=lambda entry: entry.log_time)
+    fed, open_samples, last = [], [], -1
+    for entry in (entry for entry in entries if is_sample(entry.log_time, grid)):
+        if entry.log_time not in sequences:
+            open_samples.append(entry)
+            continue
+        missing = sequences[entry.log_time] - last - 1
+        fed += open_samples[len(open_samples) - missing :] if 0 < missing <= len(open_samples) else []
+        fed.append(entry)
+        open_samples, last = [], sequences[entry.log_time]
+    return fed
+
+
+def through_side(entries: list[Entry], side: ControllerSide) -> Iterator[list[Outgoing]]:
+    """The answers of the control law to measurements, without processes."""
+    for entry in entries:
+        yield side.answer(decode(entry.data, "measurement"))
+
+
+class FedController:
+    """A controller process of ours, alone with a stand-in for its plant. Use as a context manager."""
+
+    def __init__(self, bus: Bus, endpoint: str, scenario: Scenario, source: int) -> None:
+        self._bus = bus
+        self._answers: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
+        self._folder = tempfile.TemporaryDirectory(prefix="hydrotwin-")
+        file = Path(self._folder.name) / "scenario.json"
+        file.write_text(scenario.model_dump_json())
+        for topic in ("command", "reference"):
+            bus.subscribe(topic, lambda sample, topic=topic: self._answers.put((topic, sample.payload.to_bytes())))
+        bus.watch()
+        bus.announce()
+        arguments = [str(file), "--mode", "lockstep", "--connect", endpoint, "--source", str(source)]
+        self._child = Child("controller", arguments, Path(self._folder.name))
+
+    def __enter__(self) -> "FedController":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._child.end()
+        self._folder.cleanup()
+
+    def answers(self, entries: list[Entry]) -> Iterator[list[Outgoing]]:
+        """Publish one measurement after the other, each when the last one is answered. Raises RunError."""
+        self._bus.await_roles(("controller",), STARTUP, self._child.ended)
+        last: Any = None
+        for entry in entries:
+            last = decode(entry.data, "measurement")
+            self._bus.publish(Outgoing("measurement", entry.log_time, entry.sequence, last), entry.data)
+            yield [self._await(topic, entry.log_time) for topic in ("command", "reference")]
+        if last is not None:
+            self._bus.publish_status(last.run_id, last.stamp, "ended", {"tick": float(last.tick)}, final=True)
+            self._finish()
+
+    def _await(self, topic: str, stamp: int) -> Outgoing:
+        deadline = time.monotonic() + PATIENCE
+        while time.monotonic() < deadline:
+            try:
+                came, payload = self._answers.get(timeout=0.1)
+            except queue.Empty:
+                if fault := self._child.fault():
+                    raise RunError(fault) from None
+                continue
+            message = decode(payload, came)
+            if came != topic:
+                raise RunError(f"the controller sent {came} where {topic} was due")
+            return Outgoing(topic, stamp, message.sequence, message)
+        raise RunError(f"the controller has not answered the measurement at t = {stamp / 1e9:g} s in {PATIENCE:g} s")
+
+    def _finish(self) -> None:
+        try:
+            self._child.process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise RunError("the controller did not finish") from None

@@ -1,0 +1,37 @@
+"""Recorded commands into the twin: the same plant side as in a run, fed with what the recorded plant was fed with."""
+
+from collections.abc import Iterator
+
+from bridge.messages import Outgoing
+from bridge.plant_side import PlantSide
+from bridge.recording.reader import Recording
+from bridge.replay.schedule import schedule
+from bridge.scenario import Scenario, ScenarioError
+
+
+def through_plant(recording: Recording, scenario: Scenario) -> Iterator[list[Outgoing]]:
+    """The messages of each tick, the recorded commands in between. Raises ScenarioError when no tick is recorded."""
+    ticks = _ticks(recording, scenario)
+    side = PlantSide(scenario, int(recording.metadata["run"]["run_id"]))
+    inputs = iter(schedule(recording, scenario))
+    following = next(inputs, None)
+    out = side.start()
+    while side.tick_number < ticks:
+        yield out
+        while following is not None and following.instant <= side.now:
+            if following.command is None:
+                side.reset()
+            else:
+                side.take(following.command)
+            following = next(inputs, None)
+        out = side.tick()
+    ended = [event.text for event in recording.messages("event") if event.kind == "ended"]
+    yield out + (side.finish(ended[0]) if ended else [])
+
+
+def _ticks(recording: Recording, scenario: Scenario) -> int:
+    """How far the recorded run goes."""
+    topic = next((topic for topic in ("measurement", "state") if recording.counts.get(topic)), None)
+    if topic is None:
+        raise ScenarioError(f"{recording.path}: no measurement in it to compare with")
+    return int(recording.columns(topic)["stamp"].max()) // scenario.loop.grid().daq

@@ -1,0 +1,74 @@
+"""When each recorded command reached the plant, as far as that can make a difference.
+
+One in time may be handed in as soon as its sample is taken: it acts at its own instant. One that came late is handed in
+at the instant it took effect, `applied_at` of its event. What the plant refused is left out.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+from bridge.recording.reader import Recording
+from bridge.scenario import Scenario
+from controller.sampling import Sampling, to_ns
+
+Identity = tuple[int, int]  # source, sequence
+
+
+class Input(NamedTuple):
+    """Something to hand in once the plant has reached an instant [ns]."""
+
+    instant: int
+    command: Any  # None: a reset
+
+
+class Latch(NamedTuple):
+    """A time in the safe state [ns]: commands that were to act after `since` came when it was in force."""
+
+    since: int
+    until: int
+
+
+def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
+    """All inputs of a recorded run in the order of their instants."""
+    events, grid = recording.messages("event"), scenario.loop.grid()
+    refused = {(e.source, e.command) for e in events if e.kind == "refused"}
+    known = {(e.source, e.command): e.stamp - grid.daq for e in events if e.kind == "resumed"}
+    known |= {(e.source, e.command): e.applied_at for e in events if e.kind == "late"}
+    latches, force = list(_latches(events, scenario, grid)), _in_force(recording, grid)
+    inputs = [Input(e.stamp - grid.daq, None) for e in events if e.kind == "reset"]
+    reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
+    for command in recording.messages("command"):
+        name = command.source, command.sequence
+        if name in refused or (name not in known and _shut_out(command, latches, force)):
+            continue
+        instant = known.get(name, -(-command.sample_stamp // grid.daq) * grid.daq)
+        reached[command.source] = instant = max(instant, reached.get(command.source, 0))
+        inputs.append(Input(instant, command))
+    return sorted(inputs, key=lambda entry: (entry.instant, entry.command is not None))
+
+
+def _latches(events: list[Any], scenario: Scenario, grid: Sampling) -> Iterator[Latch]:
+    """Only of a plant that waits for a reset: one that resumes says which command it resumed with."""
+    if scenario.loop.after_timeout != "latch":
+        return
+    timeout = to_ns(scenario.loop.command_timeout)
+    for safe in (event for event in events if event.kind == "safe"):
+        resets = [event.stamp - grid.daq for event in events if event.kind == "reset" and event.stamp >= safe.stamp]
+        yield Latch(safe.applied_at - grid.sample - timeout, min(resets, default=1 << 62))
+
+
+def _shut_out(command: Any, latches: list[Latch], force: Callable[[int], float | None]) -> bool:
+    """Did it come while the plant was latched? One on its way at the reset shows in the value in force afterwards."""
+    for latch in latches:
+        if command.apply_at > latch.since and command.sample_stamp < latch.until:
+            return command.apply_at < latch.until or force(command.apply_at) not in (None, command.spool)
+    return False
+
+
+def _in_force(recording: Recording, grid: Sampling) -> Callable[[int], float | None]:
+    """The recorded spool reference at the end of the tick in which an instant lies; None where it is not known."""
+    if not recording.counts.get("state"):
+        return lambda _: None
+    state = recording.columns("state")
+    known = dict(zip(state["stamp"].tolist(), state["reference"].tolist(), strict=True))
+    return lambda instant: known.get((instant // grid.daq + 1) * grid.daq)

@@ -1,0 +1,129 @@
+"""A recording through the twin or a controller: residuals published, recorded and judged."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.bus import Bus
+from bridge.controller_side import ControllerSide
+from bridge.link import Link, free_endpoint
+from bridge.messages import Outgoing, encode
+from bridge.recording.compare import compare
+from bridge.recording.reader import Entry, Recording, read
+from bridge.recording.reader import recording as in_memory
+from bridge.recording.writer import RecordingWriter
+from bridge.replay.into_controller import FedController, heard, only, owner, through_side
+from bridge.replay.into_plant import through_plant
+from bridge.replay.residual import Residuals, Verdict, events_apart
+from bridge.scenario import Scenario, ScenarioError, changed
+from bridge.summary import NEEDED, summarise
+
+COMPARED = {"plant": ("measurement", "state"), "controller": ("command", "reference")}
+
+
+class Through(NamedTuple):
+    """How a recording is replayed into something."""
+
+    into: str  # plant, controller
+    output: Path
+    changes: Sequence[str] = ()
+    tolerances: Mapping[str, str] | None = None
+    alone: bool = False  # the controller without a process of its own, nothing published
+    listen: str | None = None  # where the residual is published; None: a free address on loopback
+
+
+def replay_through(path: Path, request: Through) -> Verdict:
+    """Replay and judge. Raises ScenarioError for a file that cannot be replayed, RunError when a process fails."""
+    if request.output.resolve() == path.resolve():
+        raise ScenarioError(f"{path}: would be overwritten; name another file with --output")
+    recording = read(path)
+    scenario = _scenario(recording, request.changes)
+    if request.into == "controller":
+        recording = only(recording, owner(recording))
+    run = recording.metadata["run"]
+    writer = RecordingWriter(request.output, scenario.rig_name)
+    replayed = {"file": path.name, "into": request.into, "changes": list(request.changes)}
+    writer.metadata("run", run | {"scenario": scenario.model_dump(mode="json"), "mode": "replay", "replayed": replayed})
+    residuals = Residuals(recording, int(run["run_id"]))
+    entries: list[Entry] = []
+    for messages in _replayed(recording, scenario, request, residuals):
+        entries += _write(writer, messages)
+    writer.flush()
+    verdict = _judge(recording, in_memory(request.output, entries, {}), request)
+    writer.metadata("summary", summarise(read(request.output, NEEDED), scenario, {}))
+    writer.metadata("replay", {"passed": verdict.passed, "signals": [d._asdict() for d in verdict.differences]})
+    writer.close()
+    return verdict
+
+
+def _scenario(recording: Recording, changes: Sequence[str]) -> Scenario:
+    if "run" not in recording.metadata:
+        raise ScenarioError(f"{recording.path}: the recording carries no scenario to replay it with")
+    return changed(recording.metadata["run"]["scenario"], changes, str(recording.path))
+
+
+def _replayed(
+    recording: Recording, scenario: Scenario, request: Through, residuals: Residuals
+) -> Iterator[list[Outgoing]]:
+    """The messages of each instant, with their residuals."""
+    if request.alone:
+        yield from (_with_residuals(out, residuals) for out in _alone(recording, scenario, request.into))
+        return
+    endpoint = request.listen or free_endpoint()
+    role = "replay" if request.into == "plant" else "plant"
+    with Bus(Link(endpoint, None, None, 5.0), scenario.rig_name, role, blocking=True) as bus:
+        bus.speak_as("replay")
+        for out in _through(recording, scenario, request.into, bus, endpoint):
+            both = _with_residuals(out, residuals)
+            for message in both:
+                if message.topic == "residual":
+                    bus.publish(message)
+            yield both
+
+
+def _alone(recording: Recording, scenario: Scenario, into: str) -> Iterator[list[Outgoing]]:
+    if into == "plant":
+        return through_plant(recording, scenario)
+    return through_side(heard(recording, scenario.loop.grid()), ControllerSide(scenario, owner(recording)))
+
+
+def _through(recording: Recording, scenario: Scenario, into: str, bus: Bus, endpoint: str) -> Iterator[list[Outgoing]]:
+    if into == "plant":
+        yield from through_plant(recording, scenario)
+        return
+    with FedController(bus, endpoint, scenario, owner(recording)) as controller:
+        yield from controller.answers(heard(recording, scenario.loop.grid()))
+
+
+def _with_residuals(messages: list[Outgoing], residuals: Residuals) -> list[Outgoing]:
+    found = (residuals.of(message) for message in messages)
+    return [*messages, *(residual for residual in found if residual is not None)]
+
+
+def _write(writer: RecordingWriter, messages: list[Outgoing]) -> list[Entry]:
+    entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in sorted(messages, key=_place)]
+    for entry in entries:
+        writer.write(*entry)
+    if messages:
+        writer.flush_by(messages[0].log_time)
+    return entries
+
+
+def _place(message: Outgoing) -> tuple[int, str, int]:
+    return message.log_time, message.topic, message.sequence
+
+
+def _judge(recorded: Recording, replayed: Recording, request: Through) -> Verdict:
+    topics = COMPARED[request.into]
+    wanted = tuple(topic for topic in topics if recorded.counts.get(topic))
+    differences = compare(replayed, recorded, request.tolerances, wanted, partly=_may_lack(recorded, request.into))
+    events = events_apart(replayed, recorded) if request.into == "plant" and "event" in recorded.counts else None
+    lost = recorded.metadata.get("summary", {}).get("lost", {})
+    missing = lost.get("command" if request.into == "plant" else "measurement", 0)
+    return Verdict(request.into, differences, events, request.output, missing)
+
+
+def _may_lack(recorded: Recording, into: str) -> bool:
+    """Instants may be missing where messages were lost on the way to the file, or the file was cut off."""
+    lost: dict[str, Any] = recorded.metadata.get("summary", {}).get("lost", {})
+    return not recorded.complete or bool(lost)
