@@ -50,7 +50,7 @@ def recorded(path: Path, *options: str, run: tuple[str, ...] = ("step", "--durat
     ):
         yield endpoint
         for process in (first, second, third):
-            assert process.wait(60) == 0, process.communicate()[0]
+            assert process.wait(120) == 0, process.communicate()[0]
 
 
 def test_only_what_is_chosen_is_recorded_with_the_users_own_words(tmp_path):

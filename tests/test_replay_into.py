@@ -89,7 +89,7 @@ def test_a_latched_plant_and_its_reset_come_out_again(folder):
     """More refused commands than are told one by one; then somebody resets."""
     path = folder / "latched.mcap"
     options = ("--set", "loop.command_timeout=0.1", "--set", "loop.sample_period=0.005")
-    with started("run", "square", "--duration", "3", *options, *LOOSE, "--record", str(path)) as run:
+    with started("run", "square", "--duration", "6", *options, *LOOSE, "--record", str(path)) as run:
         controller, plant = child(run.pid, "controller"), child(run.pid, "plant")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)

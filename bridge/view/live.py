@@ -17,7 +17,7 @@ from bridge.scenario import ScenarioError
 from bridge.view.batch import inbox, run_of
 from bridge.view.content import APPLICATION
 from bridge.view.drawing import Drawing
-from bridge.view.program import Program, connected, require_rerun, server, window
+from bridge.view.program import Program, connected, last_in_line, require_rerun, server, window
 from bridge.view.screenshot import check_target, screenshot
 
 PERIOD = 0.05  # [s] from batch to batch
@@ -142,6 +142,9 @@ def _yield_to_all() -> None:
     Not so Zenoh's threads, which are there already: what they leave on the wire, the plant would wait for.
     """
     os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    if os.getpgrp() != os.getpid():
+        os.setsid()
+        last_in_line(os.getpid())
 
 
 def _another(entries: list[Entry], run_id: int) -> bool:

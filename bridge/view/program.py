@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -89,12 +89,19 @@ def _running(*arguments: str, page: int = 0, quiet: bool = False) -> Iterator[Pr
     environment = {"RUST_LOG": "error", "XDG_RUNTIME_DIR": "/tmp", **os.environ, "CI": "1"}
     command = [path, "--bind", LOOPBACK, "--port", str(data), *MEMORY, *arguments]
     words = subprocess.DEVNULL if quiet else None
-    process = subprocess.Popen(command, env=environment, stdout=words, stderr=words)
+    process = subprocess.Popen(command, env=environment, stdout=words, stderr=words, start_new_session=True)
+    last_in_line(process.pid)
     try:
         _await(process, data, "Rerun")
         yield Program(process, data, page)
     finally:
         _end(process)
+
+
+def last_in_line(pid: int) -> None:
+    """Have the whole session of a process wait for all others: Linux shares processors by session first."""
+    with suppress(OSError):  # a system that does not share like that
+        Path(f"/proc/{pid}/autogroup").write_text("19")
 
 
 def _free_port() -> int:
