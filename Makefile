@@ -20,7 +20,7 @@ run: $(READY)  ## the closed loop in real time: three processes, a recording, a 
 	$(BIN)/hydrotwin run step
 
 test: $(READY)  ## the whole suite
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m tests.suite
 
 check: $(READY)  ## style, types, import direction
 	$(BIN)/ruff check
