@@ -32,8 +32,8 @@ def view(
 ) -> None:
     """Show a recording, or without FILE a running plant, in Rerun: the rig in 3-D, curves, maps of the pipes, events.
 
-    Watching live: what a slow viewer cannot take is left out of the picture. Drawing takes processor time, so watch
-    from another machine where timing matters.
+    Watching live: what a slow viewer cannot take is left out of the picture. Drawing takes processor time: where
+    timing matters run the loop with --fifo, or watch from another machine.
     """
     when = -1.0 if at is None else _seconds(at)
     if file is not None:

@@ -22,23 +22,28 @@ LOOKED_AT = (("lateness", "p99"), ("lateness", "p50"), ("round_trip", "p99"), ("
 
 def rows(folder: Path) -> Iterator[Row]:
     """A controller at 1 kHz; the view serves a page. Medians of the turns, and how far those without it are apart."""
+    for fifo, priority in ((False, ""), (True, ", --fifo")):
+        yield from _rows(folder, fifo, priority)
+
+
+def _rows(folder: Path, fifo: bool, priority: str) -> Iterator[Row]:
     alone, watched = [], []
     for _ in range(TURNS):
-        alone.append(_run(folder, watch=False))
-        watched.append(_run(folder, watch=True))
+        alone.append(_run(folder, fifo, watch=False))
+        watched.append(_run(folder, fifo, watch=True))
     for quantity, quantile in LOOKED_AT:
         without, beside = ([1e6 * run["timing"][quantity][quantile] for run in runs] for runs in (alone, watched))
         ratio = float(np.median(beside) / max(np.median(without), 1e-3))
         spread = f"{np.median(without):.1f} us alone ({min(without):.1f} .. {max(without):.1f})"
         words = f"{np.median(beside):.1f} us ({min(beside):.1f} .. {max(beside):.1f})"
-        yield f"{quantity.replace('_', ' ')} {quantile}, live view on", words, spread, f"{ratio:.2f}"
+        yield f"{quantity.replace('_', ' ')} {quantile}, live view on{priority}", words, spread, f"{ratio:.2f}"
     lost, beside = (sum(sum(run["lost"].values()) for run in runs) for runs in (watched, alone))
-    yield "messages lost at the recorder, live view on", str(lost), f"{beside} alone", ""
+    yield f"messages lost at the recorder, live view on{priority}", str(lost), f"{beside} alone", ""
 
 
-def _run(folder: Path, watch: bool) -> dict[str, Any]:
+def _run(folder: Path, fifo: bool, watch: bool) -> dict[str, Any]:
     endpoint = free_endpoint()
-    request = RunRequest("realtime", 1.0, False, folder / "view.mcap", 10.0, False, endpoint)
+    request = RunRequest("realtime", 1.0, fifo, folder / "view.mcap", 10.0, False, endpoint)
     with _watching(endpoint if watch else None):
         return run_scenario(load("step", CHANGES), request).summary
 
