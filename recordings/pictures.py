@@ -25,6 +25,8 @@ FINE = 'loop.viewer_period="5 ms"'  # maps that show the waves
 LIVE_MOMENT = 4.0  # [s]
 REPORT, VIEW = (1100, 1560), (1800, 1080)
 DRAWN = 25.0  # [s] until the viewer in a browser has drawn, by software
+DRAWN_LIVE = 35.0  # [s], while a loop goes first
+SLOWER = "0.4"  # speed of that loop: it and a browser that draws by software are much for two cores
 BAR = (293, 1592)  # [px], where the bar of times begins and ends in a browser
 
 
@@ -75,20 +77,21 @@ def _live(name: str) -> Iterator[Path]:
         subprocess.run(_hydrotwin(*command, "--patience", "60"), check=True)
     yield path
     with (
-        _running(name, f"duration={LIVE_MOMENT + DRAWN + 15.0}") as endpoint,
+        _running(name, f"duration={DRAWN_LIVE}", speed=SLOWER) as endpoint,
         _page("view", "--connect", endpoint, "--web", "--patience", "60") as address,
         browser(*VIEW) as window,
     ):
-        yield window.picture(address, FOLDER / f"view-{name}-live-web.png", DRAWN)
+        yield window.picture(address, FOLDER / f"view-{name}-live-web.png", DRAWN_LIVE)
 
 
 @contextmanager
-def _running(name: str, *changes: str) -> Iterator[str]:
+def _running(name: str, *changes: str, speed: str = "1") -> Iterator[str]:
     """The scenario in real time; gives where its plant listens."""
     endpoint = free_endpoint()
     options = [option for change in changes for option in ("--set", change)]
     with TemporaryDirectory() as folder:
-        command = ["run", name, "--listen", endpoint, "--record", f"{folder}/live.mcap", *options]
+        words = ("--fifo", "--speed", speed, "--listen", endpoint, "--record", f"{folder}/live.mcap")
+        command = ["run", name, *words, *options]
         with subprocess.Popen(_hydrotwin(*command), stdout=subprocess.DEVNULL) as process:
             try:
                 _await(endpoint)
