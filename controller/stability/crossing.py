@@ -5,6 +5,7 @@ G(z) = G(1/z): all these z are generalised eigenvalues of one pencil, so none is
 neighbouring crossings the number of stable multipliers cannot change and is counted half-way.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -42,9 +43,9 @@ def is_stable(matrix: Array) -> Array:
 
 
 def crossings(matrix: Array, entry: Array, row: Array) -> Array:
-    """All gains g > 0, rising, at which M - g b r has a multiplier on the unit circle (and a few at which it has not)."""
+    """All gains g > 0, rising, at which M - g b r has a multiplier on the circle, and a few others."""
     points = [1.0 + 0.0j, -1.0 + 0.0j, *_mirrored(matrix, entry, row)]
-    found = {gain for point in points if (gain := _gain_at(point, matrix, entry, row)) > 0.0}
+    found = {gain for point in points if (gain := crossing_at(point, matrix, entry, row)) > 0.0}
     return np.array(sorted(found))
 
 
@@ -62,7 +63,7 @@ def _mirrored(matrix: Array, entry: Array, row: Array) -> Array:
     return z / np.abs(z)
 
 
-def _gain_at(z: complex, matrix: Array, entry: Array, row: Array) -> float:
+def crossing_at(z: complex, matrix: Array, entry: Array, row: Array) -> float:
     """g = -1/G(z) at a point of the circle; 0.0 where M has a multiplier there already, or where no g is real."""
     shifted = z * np.eye(len(entry)) - matrix
     if np.linalg.cond(shifted) > 1e13:
@@ -74,7 +75,7 @@ def _gain_at(z: complex, matrix: Array, entry: Array, row: Array) -> float:
 def stable_ranges(matrix: Array, entry: Array, row: Array) -> list[tuple[float, float]]:
     """All open ranges of g > 0 in which M - g b r is stable, rising; the last may end at inf."""
     edges = _told_apart(crossings(matrix, entry, row), matrix, entry, row)
-    middles = [*(0.5 * (a + b) for a, b in zip(edges, edges[1:], strict=False)), 2.0 * edges[-1] + 1.0]
+    middles = [*(0.5 * (a + b) for a, b in pairwise(edges)), 2.0 * edges[-1] + 1.0]
     first = _starts_stable(matrix, entry, row, middles[0])
     ranges: list[tuple[float, float]] = []
     for low, high, middle in zip(edges, [*edges[1:], np.inf], middles, strict=True):
@@ -93,7 +94,7 @@ def _told_apart(gains: Array, matrix: Array, entry: Array, row: Array) -> list[f
 
 def _starts_stable(matrix: Array, entry: Array, row: Array, middle: float) -> bool:
     """Is M - g b r stable for all small g > 0? Multipliers on the circle at g = 0 are judged by their slope in g."""
-    mu, left, right = eig(matrix, left=True)
+    mu, left, right = (np.asarray(part) for part in eig(matrix, left=True, right=True))
     marginal = np.abs(np.abs(mu) - 1.0) <= LOSING
     if np.any(np.abs(mu[~marginal]) > 1.0):
         return False

@@ -36,8 +36,10 @@ def linear_actuator(k: ArrayLike, gamma: ArrayLike) -> Plant:
     return Plant(a, b, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
 
 
-def plant_of(system: "StateSpace", entry: int | str = 0, position: int | str = 0, velocity: int | str | None = 1):
-    """Plant of a continuous control.StateSpace, such as `twin.linear.linearise` returns; entry, outputs by index or name.
+def plant_of(
+    system: "StateSpace", entry: int | str = 0, position: int | str = 0, velocity: int | str | None = 1
+) -> Plant:
+    """Plant of a continuous control.StateSpace, such of `twin.linear.linearise`; entry and outputs by index or name.
 
     velocity None: there is no tachometer. Raises ValueError for a sampled system, an unknown name, and an output that
     the input reaches at once (it could not be sampled before the command it causes).
@@ -61,7 +63,7 @@ def _index(name: int | str, labels: list[str], what: str) -> int:
 
 
 def held(plant: Plant, time: ArrayLike) -> tuple[Array, Array]:
-    """Phi = exp(a t) and Gamma, the integral of exp(a s) b over [0, t]: the state after a held input is Phi x + Gamma u.
+    """Phi = exp(a t) and Gamma, its integral over [0, t] times b: a held input u makes Phi x + Gamma u.
 
     time broadcasts with the stack. A single plant is balanced first (by powers of two, which round nothing): its
     states may have units as far apart as pascal and metre.
@@ -71,5 +73,5 @@ def held(plant: Plant, time: ArrayLike) -> tuple[Array, Array]:
     whole[..., :n, :n], whole[..., :n, n] = plant.a, plant.b
     scale = np.diag(matrix_balance(whole, permute=False)[1]) if whole.ndim == 2 else np.ones(n + 1)
     spread = scale[:, None] / scale
-    flow = spread * expm(whole / spread * time[..., None, None])
+    flow: Array = spread * expm(whole / spread * time[..., None, None])
     return flow[..., :n, :n], flow[..., :n, n]

@@ -1,4 +1,4 @@
-"""The sampled loop: a linear plant, samples at whole periods, a delay, a hold, and a derivative as the controller has it.
+"""The sampled loop: a linear plant, samples at whole periods, a delay, a hold, and the derivative of the controller.
 
 u_i = -(s y_i + d v_i) from the sample at t_i acts from t_i + delay until the next one acts, and
 
