@@ -25,7 +25,7 @@ def relay_polynomial(
 
 
 def relay_edge(s: ArrayLike, k: ArrayLike, gamma: ArrayLike, alpha: ArrayLike, eps: ArrayLike = 0.0) -> Array:
-    """d_H below which the loop oscillates (5.22); eps = 0 is the relay itself: sqrt2 alpha s/(gamma + sqrt2 alpha k)."""
+    """d_H below which the loop oscillates (5.22); eps = 0, the relay: sqrt2 alpha s/(gamma + sqrt2 alpha k)."""
     k, gamma = np.asarray(k, float), np.asarray(gamma, float)
     g = gamma / (SQRT2 * np.asarray(alpha))
     return s / (k + g) - eps * (2.0 + k * g) / (SQRT2 * gamma)
