@@ -28,19 +28,19 @@ def flow_slope(rest: ArrayLike = 0.5) -> Array:
 
 def analogue_polynomial(s: ArrayLike, d: ArrayLike, k: ArrayLike, gamma: ArrayLike, rest: ArrayLike = 0.5) -> Array:
     """Coefficients (..., 4), highest power first."""
-    slope = flow_slope(rest) * gamma
-    terms = np.broadcast_arrays(1.0, k, 2.0 + slope * d, slope * s)
+    slope = flow_slope(rest) * np.asarray(gamma, float)
+    terms = np.broadcast_arrays(1.0, k, 2.0 + slope * np.asarray(d, float), slope * np.asarray(s, float))
     return np.stack([np.asarray(term, float) for term in terms], axis=-1)
 
 
 def analogue_edge(d: ArrayLike, k: ArrayLike, gamma: ArrayLike, rest: ArrayLike = 0.5) -> Array:
     """s at which stability ends, k (d + 2/(sigma gamma))."""
-    return np.asarray(k) * (np.asarray(d) + 2.0 / (flow_slope(rest) * gamma))
+    return np.asarray(k, float) * (np.asarray(d, float) + 2.0 / (flow_slope(rest) * np.asarray(gamma, float)))
 
 
 def analogue_frequency(d: ArrayLike, gamma: ArrayLike, rest: ArrayLike = 0.5) -> Array:
     """omega_H at the edge, from omega_H^2 = 2 + sigma gamma d."""
-    return np.sqrt(2.0 + flow_slope(rest) * gamma * np.asarray(d))
+    return np.sqrt(2.0 + flow_slope(rest) * np.asarray(gamma, float) * np.asarray(d, float))
 
 
 def one_sided_jacobians(

@@ -69,11 +69,11 @@ def count_loop(loop: SampledLoop, s: ArrayLike, d: ArrayLike) -> Counts:
     """Number of stable multipliers of a stack of loops; s and d broadcast with the stack."""
     stack, n = loop.free.shape[:-2], loop.free.shape[-1]
     shape = np.broadcast_shapes(stack, np.shape(s), np.shape(d))
-    parts = [part.reshape(-1, n + 1) for part in polynomials(loop)]
-    which = np.broadcast_to(np.arange(len(parts[0])).reshape(stack), shape).ravel()
+    base, by_s, by_d = (part.reshape(-1, n + 1) for part in polynomials(loop))
+    which = np.broadcast_to(np.arange(len(base)).reshape(stack), shape).ravel()
     gains = [np.broadcast_to(np.asarray(gain, float), shape).ravel() for gain in (s, d)]
     out = np.empty(which.shape, np.int8)
-    count_inside(*parts, which, *gains, np.empty(n + 1), np.empty(n + 1), out)
+    count_inside(base, by_s, by_d, which, gains[0], gains[1], np.empty(n + 1), np.empty(n + 1), out)
     _decide(out, loop, which, gains)
     return out.reshape(shape)
 

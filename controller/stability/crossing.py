@@ -9,9 +9,12 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import eig
 
 from controller.stability.plant import Array
+
+Spectrum = NDArray[np.complex128]
 
 ON_CIRCLE = 1e-12  # |mu| of at least 1 - this is not stable: rounding of a multiplier that sits on the circle
 NEAR = 1e-4  # of the circle: who is so near is taken as a candidate; one too many only parts a range in two
@@ -27,9 +30,9 @@ class Onset(NamedTuple):
     angle: float  # |arg mu| [rad per sampling period], 0 .. pi: the frequency is angle/tau
 
 
-def multipliers(matrix: Array) -> Array:
+def multipliers(matrix: Array) -> Spectrum:
     """Multipliers of a matrix or a stack, (..., n), complex."""
-    return np.linalg.eigvals(matrix)
+    return np.linalg.eigvals(matrix).astype(np.complex128)
 
 
 def stable_count(matrix: Array) -> Array:
@@ -94,14 +97,22 @@ def _told_apart(gains: Array, matrix: Array, entry: Array, row: Array) -> list[f
 
 def _starts_stable(matrix: Array, entry: Array, row: Array, middle: float) -> bool:
     """Is M - g b r stable for all small g > 0? Multipliers on the circle at g = 0 are judged by their slope in g."""
-    mu, left, right = (np.asarray(part) for part in eig(matrix, left=True, right=True))
-    marginal = np.abs(np.abs(mu) - 1.0) <= LOSING
+    mu, speeds = _starts(matrix, entry, row)
+    marginal = ~np.isnan(speeds)
     if np.any(np.abs(mu[~marginal]) > 1.0):
         return False
-    speeds = [_outward(mu[j], left[:, j], right[:, j], entry, row) for j in np.flatnonzero(marginal)]
-    if all(abs(speed) > LOSING for speed in speeds):
-        return all(speed < 0.0 for speed in speeds)
+    if np.all(np.abs(speeds[marginal]) > LOSING):
+        return bool(np.all(speeds[marginal] < 0.0))
     return bool(is_stable(matrix - middle * np.outer(entry, row)))
+
+
+def _starts(matrix: Array, entry: Array, row: Array) -> tuple[Spectrum, Array]:
+    """Multipliers at g = 0 and, of those on the circle, how fast they leave it outward; NaN for the others."""
+    mu, left, right = (np.asarray(part) for part in eig(matrix, left=True, right=True))
+    speeds = np.full(len(mu), np.nan)
+    for j in np.flatnonzero(np.abs(np.abs(mu) - 1.0) <= LOSING):
+        speeds[j] = _outward(mu[j], left[:, j], right[:, j], entry, row)
+    return mu, speeds
 
 
 def _outward(mu: complex, left: Array, right: Array, entry: Array, row: Array) -> float:
@@ -120,9 +131,19 @@ def first_loss(matrix: Array, entry: Array, row: Array) -> float:
 
 
 def classify(gain: float, matrix: Array, entry: Array, row: Array) -> Onset:
-    """The multiplier nearest to the circle at a gain where stability is lost, and what it does there."""
-    mu = multipliers(matrix - gain * np.outer(entry, row))
-    worst = complex(mu[np.argmin(np.abs(np.abs(mu) - 1.0))])
+    """What the multiplier does that is lost at a gain; at 0.0 it is the one that any small gain drives out."""
+    if gain > 0.0:
+        mu = multipliers(matrix - gain * np.outer(entry, row))
+        worst = complex(mu[np.argmin(np.abs(np.abs(mu) - 1.0))])
+    else:
+        worst = _lost_at_once(matrix, entry, row)
     if abs(worst.imag) > 1e-7 * abs(worst):
         return Onset(gain, "Neimark-Sacker", complex(worst.real, abs(worst.imag)), float(abs(np.angle(worst))))
     return Onset(gain, "fold", worst, 0.0) if worst.real > 0.0 else Onset(gain, "flip", worst, float(np.pi))
+
+
+def _lost_at_once(matrix: Array, entry: Array, row: Array) -> complex:
+    """The largest multiplier if it is outside without the gain; else, of those on the circle, the fastest outward."""
+    mu, speeds = _starts(matrix, entry, row)
+    size = np.abs(mu)
+    return complex(mu[np.argmax(size if size.max() > 1.0 + LOSING else np.where(np.isnan(speeds), -np.inf, speeds))])

@@ -21,7 +21,7 @@ def flip_curve(tau: ArrayLike, gamma: ArrayLike) -> Array:
 
 
 def neimark_sacker_curve(tau: ArrayLike, d: ArrayLike, gamma: ArrayLike) -> Array:
-    """s with two multipliers of product 1: a boundary only where they are a complex pair, see `is_pair`."""
+    """s with two multipliers of product 1: a boundary only where they are a complex pair, not m and 1/m."""
     tau, d, gamma = np.broadcast_arrays(np.asarray(tau, float), np.asarray(d, float), np.asarray(gamma, float))
     above = 4.0 * d * (SQRT2 + d * gamma) * np.sin(tau / SQRT2) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -48,10 +48,10 @@ def plant_of(
         raise ValueError(f"the plant is sampled at {system.dt} s already; give the continuous one")
     column = _index(entry, system.input_labels, "input")
     rows = [_index(name, system.output_labels, "output") for name in (position, velocity) if name is not None]
-    if np.any(system.D[rows, column]):
+    if np.any(np.asarray(system.D)[rows, column]):
         raise ValueError(f"output {rows} answers input {column} without any lag; leave out the direct path")
     outputs = [np.array(system.C[row], float) for row in rows]
-    return Plant(np.array(system.A, float), np.array(system.B[:, column], float), outputs[0], (*outputs, None)[1])
+    return Plant(np.array(system.A, float), np.array(system.B, float)[:, column], outputs[0], (*outputs, None)[1])
 
 
 def _index(name: int | str, labels: list[str], what: str) -> int:
@@ -73,5 +73,5 @@ def held(plant: Plant, time: ArrayLike) -> tuple[Array, Array]:
     whole[..., :n, :n], whole[..., :n, n] = plant.a, plant.b
     scale = np.diag(matrix_balance(whole, permute=False)[1]) if whole.ndim == 2 else np.ones(n + 1)
     spread = scale[:, None] / scale
-    flow: Array = spread * expm(whole / spread * time[..., None, None])
+    flow = np.asarray(spread * expm(whole / spread * time[..., None, None]), float)
     return flow[..., :n, :n], flow[..., :n, n]

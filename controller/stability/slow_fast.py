@@ -25,14 +25,16 @@ def critical_manifold(y2: ArrayLike, u: ArrayLike, gamma: ArrayLike) -> tuple[Ar
 
 def layer_rates(y1: ArrayLike, y2: ArrayLike, u: ArrayLike, gamma: ArrayLike, alpha: ArrayLike) -> tuple[Array, Array]:
     """Eigenvalues of the pressures on the manifold, -(gamma u)^2/(2 alpha (1 +- y1) |y2|) (5.19); always negative."""
-    rate = -((np.asarray(gamma) * u) ** 2) / (2.0 * np.asarray(alpha) * np.abs(y2))
-    return rate / (1.0 + np.asarray(y1)), rate / (1.0 - np.asarray(y1))
+    y1, drive = np.asarray(y1, float), np.asarray(gamma, float) * np.asarray(u, float)
+    rate = -(drive**2) / (2.0 * np.asarray(alpha, float) * np.abs(np.asarray(y2, float)))
+    return rate / (1.0 + y1), rate / (1.0 - y1)
 
 
 def reduced_rates(y2: ArrayLike, u: ArrayLike, k: ArrayLike, gamma: ArrayLike, alpha: ArrayLike) -> tuple[Array, Array]:
     """y1', y2' on the manifold."""
     y3, y4 = critical_manifold(y2, u, gamma)
-    return np.asarray(y2, float), np.asarray(alpha) * (y3 - y4) - np.asarray(k) * y2
+    speed = np.asarray(y2, float)
+    return speed, np.asarray(alpha, float) * (y3 - y4) - np.asarray(k, float) * speed
 
 
 def full_rates(y: Array, u: float, k: float, gamma: float, alpha: float) -> Array:
