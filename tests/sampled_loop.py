@@ -4,10 +4,11 @@ z1' = z2, z2' = a - k z2, a' = -2 z2 + sqrt2 gamma u; sample i is taken at i tau
 (i + delay) tau on. Independent of `controller.stability`: no exponential, no past inputs in a state.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from controller.law import Gains, Memory, Sample, pd
@@ -61,20 +62,20 @@ def tabulated(case: Case) -> Flow:
 
 
 def course(
-    case: Case, z: Sequence[float], past: Sequence[float], memory: Memory | None, periods: int, flow: Flow
+    case: Case, z: ArrayLike, past: ArrayLike, memory: Memory | None, periods: int, flow: Flow
 ) -> tuple[Any, list[float], list[Memory | None]]:
     """z at every sample 0 .. periods, the commands given (after those of the past, youngest first) and the memories.
 
     Command j is followed from (j + delay) tau until the next; the events of each period are those that fall into it.
     """
-    whole = int(case.delay)
+    whole, before = int(case.delay), np.size(past)
     share = case.delay - whole
-    given, states, memories = [*reversed(past)], [np.array(z, float)], [memory]
+    given, states, memories = [*np.array(past, float)[::-1]], [np.array(z, float)], [memory]
     for i in range(periods):
         sample = Sample(i, states[-1][0], states[-1][1], 0.0, 0.0, 0.0)
         u, memory = pd(sample, Target(0.0, 0.0), memories[-1], gains(case))
         given.append(u)
-        older, younger = _acting(given, len(past) + i - whole - 1), _acting(given, len(past) + i - whole)
+        older, younger = _acting(given, before + i - whole - 1), _acting(given, before + i - whole)
         between = flow(states[-1], older, share * case.tau)
         states.append(flow(between, younger, (1.0 - share) * case.tau))
         memories.append(memory)

@@ -160,4 +160,4 @@ def test_a_wrong_sign_is_never_stable():
 )
 def test_what_cannot_be_asked(change: dict, word: str):
     with pytest.raises(ValueError, match=word):
-        monodromy(**{"s": 1.0, "d": 0.0, "k": 0.5, "gamma": 0.23, "tau": 1.0} | change)
+        monodromy(1.0, 0.0, 0.5, 0.23, **{"tau": 1.0, **change})
