@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig
+from scipy.linalg import eig, matrix_balance
 
 from controller.stability.plant import Array
 
@@ -45,6 +45,13 @@ def is_stable(matrix: Array) -> Array:
     return stable_count(matrix) == matrix.shape[-1]
 
 
+def balanced(matrix: Array, entry: Array, row: Array) -> tuple[Array, Array, Array]:
+    """The same loop in units, powers of two, that bring its numbers together: a state may be in pascal or metre."""
+    whole = np.block([[matrix, entry[:, None]], [row, np.zeros(1)]])
+    whole = np.asarray(matrix_balance(whole, permute=False)[0], float)
+    return whole[:-1, :-1], whole[:-1, -1], whole[-1, :-1]
+
+
 def crossings(matrix: Array, entry: Array, row: Array) -> Array:
     """All gains g > 0, rising, at which M - g b r has a multiplier on the circle, and a few others."""
     points = [1.0 + 0.0j, -1.0 + 0.0j, *_mirrored(matrix, entry, row)]
@@ -77,6 +84,7 @@ def crossing_at(z: complex, matrix: Array, entry: Array, row: Array) -> float:
 
 def stable_ranges(matrix: Array, entry: Array, row: Array) -> list[tuple[float, float]]:
     """All open ranges of g > 0 in which M - g b r is stable, rising; the last may end at inf."""
+    matrix, entry, row = balanced(matrix, entry, row)
     edges = _told_apart(crossings(matrix, entry, row), matrix, entry, row)
     middles = [*(0.5 * (a + b) for a, b in pairwise(edges)), 2.0 * edges[-1] + 1.0]
     first = _starts_stable(matrix, entry, row, middles[0])
@@ -136,7 +144,7 @@ def classify(gain: float, matrix: Array, entry: Array, row: Array) -> Onset:
         mu = multipliers(matrix - gain * np.outer(entry, row))
         worst = complex(mu[np.argmin(np.abs(np.abs(mu) - 1.0))])
     else:
-        worst = _lost_at_once(matrix, entry, row)
+        worst = _lost_at_once(*balanced(matrix, entry, row))
     if abs(worst.imag) > 1e-7 * abs(worst):
         return Onset(gain, "Neimark-Sacker", complex(worst.real, abs(worst.imag)), float(abs(np.angle(worst))))
     return Onset(gain, "fold", worst, 0.0) if worst.real > 0.0 else Onset(gain, "flip", worst, float(np.pi))

@@ -7,7 +7,7 @@ says where a multiplier is on the circle, not that the others are inside; NaN wh
 import numpy as np
 from numpy.typing import ArrayLike
 
-from controller.stability.crossing import crossing_at
+from controller.stability.crossing import balanced, crossing_at
 from controller.stability.plant import SQRT2, Array
 from controller.stability.sampled import SampledLoop, closed
 
@@ -35,7 +35,7 @@ def fold_intervals(longest: float) -> Array:
 
 def flip_gain(loop: SampledLoop, d: float) -> float:
     """s > 0 with mu = -1 in any loop, -1/G(-1) of its transfer from a command to the position; inf: none."""
-    gain = crossing_at(-1.0 + 0.0j, closed(loop, 0.0, d), loop.entry, loop.position)
+    gain = crossing_at(-1.0 + 0.0j, *balanced(closed(loop, 0.0, d), loop.entry, loop.position))
     return gain if gain > 0.0 else np.inf
 
 
