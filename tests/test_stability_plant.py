@@ -26,7 +26,7 @@ from tests.sampled_loop import Case, course, tabulated
 from twin.linear import edge_point, linearise
 
 SQRT2 = math.sqrt(2.0)
-ACTUATOR = control.ss(
+ACTUATOR = control.StateSpace(
     [[0.0, 1.0, 0.0], [0.0, -0.5, 1.0], [0.0, -2.0, 0.0]],
     [[0.0], [0.0], [SQRT2 * 0.23]],
     [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
@@ -35,7 +35,6 @@ ACTUATOR = control.ss(
     outputs=["speed", "place"],
 )
 PLANT = linear_actuator(0.5, 0.23)
-DELAY = control.tf([1.0], [1.0, 0.0], 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -57,14 +56,14 @@ def test_the_actuator_is_one_of_them():
 def test_hold_is_that_of_python_control(tau: float):
     discrete, loop = control.c2d(ACTUATOR, tau, "zoh"), sampled_loop(PLANT, tau)
     np.testing.assert_allclose(loop.free, discrete.A, atol=1e-14)
-    np.testing.assert_allclose(loop.entry, discrete.B[:, 0], atol=1e-14)
+    np.testing.assert_allclose(loop.entry, np.asarray(discrete.B)[:, 0], atol=1e-14)
 
 
 @pytest.mark.parametrize("periods", [0, 1, 2])
 def test_edge_is_the_gain_margin_of_python_control(periods: int):
     """One sample a period, delays of whole periods as 1/z; its phase crossover is the frequency at the edge."""
     system = control.ss2tf(control.c2d(ACTUATOR[1, 0], 1.0, "zoh"))
-    margin, _, crossover, _ = control.margin(system * DELAY**periods)
+    margin, _, crossover, _ = control.margin(system * control.tf([1.0], [1.0] + [0.0] * periods, 1.0))
     onset = loop_onset(sampled_loop(PLANT, 1.0, float(periods)), 0.0)
     assert onset is not None
     assert onset.gain == pytest.approx(margin, rel=1e-6)
@@ -74,17 +73,15 @@ def test_edge_is_the_gain_margin_of_python_control(periods: int):
 
 
 def test_closed_loop_poles_are_those_of_python_control():
-    """Position and speed fed back one period late, by interconnection there and by one matrix here."""
-    late = control.ss([], [], [], [[0.7, 0.2]], 1.0) * control.append(*(control.tf2ss(DELAY),) * 2)
-    plant = control.c2d(plant_by_place_and_speed(), 1.0, "zoh")
-    poles = np.sort_complex(control.feedback(plant * late, np.eye(2)).poles())
-    found = np.sort_complex(multipliers(monodromy(0.7, 0.2, 0.5, 0.23, 1.0, 1.0)))
-    for mu in found:
+    """Position and speed fed back one period late: by blocks there, by one matrix here."""
+    plant = control.c2d(ACTUATOR, 1.0, "zoh")
+    late = control.StateSpace([[0.0]], [[1.0]], [[1.0]], [[0.0]], 1.0)
+    loop = control.feedback(control.StateSpace([], [], [], [[0.2, 0.7]], 1.0) * plant * late, 1)
+    assert isinstance(loop, control.StateSpace)
+    poles = loop.poles()
+    assert len(poles) == 4
+    for mu in multipliers(monodromy(0.7, 0.2, 0.5, 0.23, 1.0, 1.0)):
         assert np.abs(poles - mu).min() < 1e-9
-
-
-def plant_by_place_and_speed() -> control.StateSpace:
-    return control.ss(ACTUATOR.A, ACTUATOR.B, np.eye(3)[:2], np.zeros((2, 1)))
 
 
 @pytest.mark.parametrize("tau", [0.02, 0.2])
@@ -92,7 +89,7 @@ def test_the_rig_answers_as_in_python_control(rig: control.StateSpace, tau: floa
     """Samples after a command of one period, and the gain margin; 19 states in pascal, m^3/s and metres."""
     loop = sampled_loop(plant_of(rig, "spool_reference", "position", "velocity"), tau)
     discrete = control.c2d(rig[[0, 1], 0], tau, "zoh")
-    found, expected, ours, theirs = loop.entry, discrete.B[:, 0], [], []
+    found, expected, ours, theirs = loop.entry, np.asarray(discrete.B)[:, 0], [], []
     for _ in range(20):
         ours.append(loop.position @ found)
         theirs.append((discrete.C @ expected)[0])
@@ -102,6 +99,8 @@ def test_the_rig_answers_as_in_python_control(rig: control.StateSpace, tau: floa
     assert onset is not None
     answer = complex(np.asarray(discrete(onset.multiplier))[0, 0])
     assert answer == pytest.approx(-1.0 / onset.gain, rel=1e-5)  # Nyquist's point, by python-control
+    assert is_stable(closed(loop, 0.99 * onset.gain, 0.0))
+    assert not is_stable(closed(loop, 1.01 * onset.gain, 0.0))
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.6])
@@ -148,7 +147,7 @@ def test_delay_margin_meets_the_critical_gain():
 
 def test_gain_margin_has_two_sides():
     """An unstable plant, x' = x + u, needs 1 < s < coth(tau/2): mu = e^tau - s (e^tau - 1)."""
-    plant = plant_of(control.ss([[1.0]], [[1.0]], [[1.0]], [[0.0]]), velocity=None)
+    plant = plant_of(control.StateSpace([[1.0]], [[1.0]], [[1.0]], [[0.0]]), velocity=None)
     low, high = gain_margin(sampled_loop(plant, 0.5, derivative="backward"), 1.5, 0.0)
     assert 1.5 * low == pytest.approx(1.0, rel=1e-12)
     assert 1.5 * high == pytest.approx(1.0 / math.tanh(0.25), rel=1e-12)
@@ -171,6 +170,6 @@ def test_what_is_no_plant(rig: control.StateSpace):
     with pytest.raises(ValueError, match="output 2 is none of"):
         plant_of(ACTUATOR, 0, 2, None)
     with pytest.raises(ValueError, match="without any lag"):
-        plant_of(control.ss([[-1.0]], [[1.0]], [[1.0]], [[1.0]]), velocity=None)
+        plant_of(control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[1.0]]), velocity=None)
     with pytest.raises(ValueError, match="no velocity output"):
         sampled_loop(plant_of(rig, velocity=None), 0.1)
