@@ -39,7 +39,7 @@ def closed_rates(s: float, d: float, command=lambda h: -h):
 
 
 def swing(s: float, d: float, size: float, periods: int = 60) -> float:
-    """Logarithm of growth of a small swing of the whole model about p_e = 1/2, from the second quarter of a run to the last."""
+    """Logarithm of growth of a small swing of the whole model about p_e = 1/2, second quarter of a run to last."""
     start = [size, 0.0, 0.5, 0.5]
     end = periods * 2.0 * math.pi / float(analogue_frequency(d, GAMMA))
     times = np.linspace(0.0, end, 40 * periods)
