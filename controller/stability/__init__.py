@@ -1,0 +1,32 @@
+"""When a loop oscillates: linear theory of the analogue, the relay and the sampled loop. Source: chapter 5.
+
+`monodromy`, `critical_gain`: the sampled dimensionless actuator with any delay and the derivatives of `controller.law`.
+`plant_of` (a control.StateSpace, as of `twin.linear.linearise`), `sampled_loop`, `closed`: the same for any
+linear plant; the actuator is `linear_actuator`. `multipliers`, `stable_count`, `is_stable`, `loop_onset` (gain, kind
+and frequency), `gain_margin`, `delay_margin` judge a loop.
+`curves`: closed forms. `chart`: counts of stable multipliers on grids, compiled. `analogue`, `relay`, `slow_fast`: the
+loop without sampling.
+"""
+
+from controller.stability.crossing import Onset, is_stable, multipliers, stable_count
+from controller.stability.margins import delay_margin, gain_margin, loop_onset
+from controller.stability.plant import Plant, linear_actuator, plant_of
+from controller.stability.sampled import SampledLoop, closed, critical_gain, monodromy, sampled_loop
+
+__all__ = [
+    "Onset",
+    "Plant",
+    "SampledLoop",
+    "closed",
+    "critical_gain",
+    "delay_margin",
+    "gain_margin",
+    "is_stable",
+    "linear_actuator",
+    "loop_onset",
+    "monodromy",
+    "multipliers",
+    "plant_of",
+    "sampled_loop",
+    "stable_count",
+]
