@@ -1,0 +1,1 @@
+"""When the controlled actuator oscillates: model, limit cycles, theory of the sampled loop."""
