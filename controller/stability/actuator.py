@@ -66,9 +66,7 @@ def dimensionless(drive: Drive) -> Actuator:
     if drive.supply <= drive.relief:
         raise ValueError(f"supply {drive.supply} Pa must be above relief {drive.relief} Pa")
     gamma = drive.flow / (drive.area * drive.length * omega(drive))
-    return Actuator(
-        (drive.supply - drive.relief) / drive.modulus, gamma, drive.friction / (drive.mass * omega(drive))
-    )
+    return Actuator((drive.supply - drive.relief) / drive.modulus, gamma, drive.friction / (drive.mass * omega(drive)))
 
 
 @inlined
@@ -128,7 +126,9 @@ def linearise(actuator: Actuator, p_e: float) -> tuple[Array, Array, Array]:
     gamma/alpha (sqrt(p_e) + sqrt(1 - p_e)).
     """
     if not 0.0 < p_e < 1.0:
-        raise ValueError(f"p_e {p_e} must lie between relief 0 and supply 1, both excluded: the root is not smooth there")
+        raise ValueError(
+            f"p_e {p_e} must lie between relief 0 and supply 1, both excluded: the root is not smooth there"
+        )
     alpha, gamma, k = actuator
     low, high = gamma / alpha * math.sqrt(p_e), gamma / alpha * math.sqrt(1.0 - p_e)
     a = np.array([[0, 1, 0, 0], [0, -k, alpha, -alpha], [0, -1 / alpha, 0, 0], [0, 1 / alpha, 0, 0]], float)

@@ -15,7 +15,6 @@ from twin.kernel import allocating_kernel, inlined
 
 RELAY, PROPORTIONAL, SMOOTHED = 0, 1, 2
 WIDTH = 28  # of a row: y, then d y/d(y0, s, d) row by row, (4, 6)
-C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 STAGES = np.zeros((7, 7))
 STAGES[1, :1] = 1 / 5
 STAGES[2, :2] = 3 / 40, 9 / 40
