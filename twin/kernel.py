@@ -20,8 +20,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 def cache_directory() -> Path:
     """Where compiled code of exactly these sources lives: the user's cache, or a temporary one if that is closed."""
     digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(source.read_bytes())
+    for package in ("twin", "controller"):
+        for source in sorted((Path(__file__).parents[1] / package).rglob("*.py")):
+            digest.update(source.read_bytes())
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     directory = home / "hydrotwin" / digest.hexdigest()[:16]
     try:
