@@ -41,6 +41,7 @@ AWAY: dict[str, Mapping[str, Any]] = {
     "card": {"daq.noise": 0.0, "daq.quantise": False, "daq.skew": 0.0},
 }
 CAUSES = tuple(AWAY)
+DEAD_BAND = "dead band"  # the overlap, and nobody jumps it
 # with the ample supply away, but no relief valve: its flow is limited, its pressure at rest is the same
 LIMITED = {"rig.pump.efficiency": 0.0, "rig.pump.efficiency_pressure": PRESSURE}
 # with an ample supply a relief valve needs a surplus to pass, and a source that would go higher
@@ -59,9 +60,9 @@ def with_causes(scenario: Scenario, present: Collection[str]) -> Scenario:
     Raises ValueError for a cause that is none of CAUSES.
     """
     for cause in present:
-        if cause not in AWAY:
-            raise ValueError(f"cause {cause!r} is none of {', '.join(CAUSES)}")
-    taken: dict[str, Any] = {}
+        if cause not in (*AWAY, DEAD_BAND):
+            raise ValueError(f"cause {cause!r} is none of {', '.join((*CAUSES, DEAD_BAND))}")
+    taken: dict[str, Any] = {"controller.compensate_overlap": DEAD_BAND not in present}
     for cause in CAUSES:
         taken |= {} if cause in present else AWAY[cause]
     if "relief" not in present and "supply" in present:

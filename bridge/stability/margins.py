@@ -9,7 +9,7 @@ import numpy as np
 from bridge.stability.loop import NEUTRAL, Loop, Onset, Timing, excess, onset, sampled, stable
 from bridge.stability.plant import Plant
 
-LOWEST, HIGHEST, TRIED = 1e-3, 1e6, 600  # gains [1/m] that are looked at, 3.5 % apart
+LOWEST, HIGHEST, TRIED = 1e-2, 1e5, 200  # gains [1/m] that are looked at, 8 % apart
 LATEST = 5.0  # sampling periods, the longest further delay that is looked at
 DELAYS = 200
 DERIVATIVES = 400
