@@ -1,6 +1,6 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
-from bridge.cli import inspect, looking, processes, record, recordings, replay, running
+from bridge.cli import inspect, looking, processes, record, recordings, replay, running, stability
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {
@@ -10,6 +10,7 @@ PANELS = {
         running.schema,
         inspect.describe,
         inspect.convergence,
+        stability.advise,
         looking.view,
         looking.report,
         recordings.info,

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from bridge.figures import friction, oil, rig, transients
+from bridge.figures import friction, oil, rig, stability_edges, transients
 from bridge.figures.canvas import Columns, Sheet
 
 
@@ -29,6 +29,8 @@ _ALL = (
     Figure("2.28", "Load change and impingement at four pump speeds", transients.draw_experiment),
     Figure("2.29", "Load change: pressures, position, relief valve", transients.draw_load_change),
     Figure("2.30", "Impingement: pressures, position, relief valve", transients.draw_impingement),
+    Figure("5.20", "Critical gain over the sampling interval, computed", stability_edges.draw_computed),
+    Figure("5.21", "Critical gain over the sampling interval, found on the twin", stability_edges.draw_measured),
     Figure("circuit", "The circuit, from the rig's own numbers", rig.draw_circuit),
 )
 FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
