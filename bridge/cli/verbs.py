@@ -11,6 +11,7 @@ PANELS = {
         inspect.describe,
         inspect.convergence,
         stability.advise,
+        stability.map_stability,
         looking.view,
         looking.report,
         recordings.info,
@@ -33,6 +34,7 @@ PANELS = {
         processes.reset,
     ),
 }
+NAMES = {"map_stability": "map"}  # where a verb is a word that Python has taken
 for _panel, _verbs in PANELS.items():
     for _verb in _verbs:
-        app.command(rich_help_panel=_panel)(_verb)
+        app.command(NAMES.get(_verb.__name__), rich_help_panel=_panel)(_verb)
