@@ -2,9 +2,9 @@
 
 The piston is held, at rest; the reference steps by a small size and stays. What follows is cut into thirds. The loop
 oscillates if in the last third the position goes up and down, peak to peak, by at least FLOOR of the step, by no less
-than what the card can tell, and by no less than KEPT of what it did in the middle third. So a slow decay is told from
-a swing that stays, and from one that grows: near an edge the answer is that of the sign of the growth, within
-ln(KEPT) over a third of the run.
+than what the card can tell, and by no less than KEPT of what it did in the middle third, or by GROWN steps, however
+irregularly. So a slow decay is told from a swing that stays, and from one that grows: near an edge the answer is that
+of the sign of the growth, within ln(KEPT) over a third of the run.
 """
 
 import math
@@ -17,6 +17,7 @@ from controller.metrics import LIMIT_CYCLE_THRESHOLD
 
 FLOOR = 0.1  # of the step
 KEPT = 0.95  # of the middle third's swing
+GROWN = 2.0  # steps; what dies away has gone by less
 INTERVALS = 90  # sampling intervals of a run after its step, at least
 SECONDS = 5.0  # and seconds, for the circuit's own swings
 
@@ -40,7 +41,8 @@ def judge_swing(time: Array, position: Array, at: float, size: float, exact: boo
     least = max(FLOOR * abs(size), 0.0 if exact else LIMIT_CYCLE_THRESHOLD)
     growth = swing / before if before > 0.0 else math.inf
     frequency = crossing_frequency(time[-len(last) :], last)
-    return Swing(swing >= least and growth >= KEPT, 0.5 * swing, growth, frequency)
+    kept = growth >= KEPT or swing >= GROWN * abs(size)
+    return Swing(swing >= least and kept, 0.5 * swing, growth, frequency)
 
 
 def crossing_frequency(time: Array, values: Array) -> float:

@@ -1,0 +1,205 @@
+"""The twin's own edge of stability beside the linear theory of its own rig."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from typer.testing import CliRunner
+
+from bridge.check import check_scenario
+from bridge.cli.verbs import app
+from bridge.inprocess import record_in_process
+from bridge.run import RunRequest, run_scenario
+from bridge.scenario import ScenarioError, load
+from bridge.stability.advice import advise
+from bridge.stability.causes import with_causes
+from bridge.stability.chart import Plainly, actuator, chart
+from bridge.stability.criterion import crossing_frequency, judge_swing
+from bridge.stability.loop import Timing, multipliers, sampled, stable
+from bridge.stability.margins import critical_gain as theory_gain
+from bridge.stability.margins import derivative_range, margins, suggested_gain
+from bridge.stability.plant import plants
+from bridge.stability.probe import critical_gain, probe, stand_of, swing_at
+from bridge.stability.trial import stand, trial
+from controller.law import per_metre
+
+SQRT2 = math.sqrt(2.0)
+
+
+def ideal(interval: float, *causes: str):
+    return with_causes(load("step", [f"loop.sample_period={interval}", "loop.delay=0.0", "loop.command_timeout=9.0"]), causes)
+
+
+@pytest.mark.parametrize("changes", [[], ["loop.sample_period=0.023", "loop.offset=0.007", "loop.delay=0.0311"]])
+def test_a_trial_moves_the_piston_as_any_other_run_does(changes, tmp_path):
+    """Bit for bit: the same card with its noise, law, hold and plant."""
+    scenario = load("step", ["duration=2", "controller.derivative=0.01", *changes])
+    trace = trial(scenario, stand(scenario))
+    columns = record_in_process(scenario, tmp_path / "a.mcap").columns("state")
+    rows = np.searchsorted(columns["stamp"], np.round(trace.time * 1e9).astype(np.int64))
+    assert np.array_equal(columns["stamp"][rows] / 1e9, trace.time)
+    assert np.array_equal(columns["position"][rows], trace.position)
+    assert np.array_equal(columns["spool"][rows], trace.spool)
+
+
+@pytest.mark.parametrize("tau", [0.7, 2.0, 3.0, 4.0])
+def test_flip_of_the_frictionless_actuator_is_the_closed_form(tau):
+    """mu = -1 at s = 4 cos(tau/sqrt2)/(sqrt2 gamma (tau cos(tau/sqrt2) - sqrt2 sin(tau/sqrt2))), k = d = 0."""
+    w, gamma = tau / SQRT2, 0.23
+    s = 4.0 * math.cos(w) / (SQRT2 * gamma * (tau * math.cos(w) - SQRT2 * math.sin(w)))
+    found = multipliers(sampled(actuator(0.0, gamma), Timing(tau, 0.0, "measured", 0.0)), s, 0.0)
+    assert np.abs(found + 1.0).min() < 1e-12 * max(1.0, abs(s))
+
+
+@pytest.mark.parametrize("derivative", ["measured", "backward", "filtered"])
+@pytest.mark.parametrize("delay", [0.0, 0.4, 1.0, 2.3])
+def test_the_matrix_is_the_loop_integrated_step_by_step(derivative, delay):
+    """Ten samples of the law and the plant's equations by expm, held and late, against powers of M."""
+    plant, period, lag, p, d = actuator(0.1, 0.23), 1.7, 2.0, 0.8, 0.3
+    loop = sampled(plant, Timing(period, delay * period, derivative, lag))
+    matrix = loop.free + loop.entry @ (p * loop.by_gain + d * loop.by_derivative)
+    x, z = np.array([1.0, 0.2, -0.1]), np.zeros(len(matrix))
+    z[:3] = x
+    kept, last, velocity, commands = math.exp(-period / lag) if derivative == "filtered" else 0.0, 0.0, 0.0, {}
+    whole, share = divmod(delay, 1.0)
+    for i in range(10):
+        if derivative == "measured":
+            velocity = x[1]
+        else:
+            velocity = kept * velocity + (1.0 - kept) * (x[0] - last) / period
+        commands[i], last = -(p * x[0] + d * velocity), x[0]
+        for time, command in ((share, i - whole - 1), (1.0 - share, i - whole)):
+            u = np.array([commands.get(int(command), 0.0)])
+            both = expm(np.block([[plant.a, plant.b], [np.zeros((1, 4))]]) * time * period)
+            x = both[:3, :3] @ x + both[:3, 3:] @ u
+        z = matrix @ z
+        assert z[:3] == pytest.approx(x, abs=1e-12)
+
+
+def test_slow_limit_of_sampling_is_the_analogue_edge():
+    """tau -> 0: k (d + sqrt2/gamma), and d = 0.5 at tau 3, s 0.5 destabilises a stable loop."""
+    loop = sampled(actuator(0.1, 0.23), Timing(1e-3, 0.0, "measured", 0.0))
+    assert theory_gain(loop, 0.0).gain == pytest.approx(0.1 * SQRT2 / 0.23, rel=2e-2)
+    loop = sampled(actuator(0.0, 0.23), Timing(3.0, 0.0, "measured", 0.0))
+    assert stable(loop, 0.5, 0.0)
+    assert not stable(loop, 0.5, 0.5)
+    assert derivative_range(loop, 0.5, 0.0)[1] < 0.5
+
+
+def test_criterion_tells_growth_from_decay_and_irregular_swings():
+    t = np.linspace(0.0, 9.0, 4000)
+    for rate, oscillates in ((0.05, True), (0.0, True), (-0.05, False)):
+        swing = judge_swing(t, 1e-3 * np.exp(rate * t) * np.sin(8.0 * t), 0.0, 2e-3, exact=True)
+        assert swing.oscillates is oscillates
+    assert crossing_frequency(t, np.sin(8.0 * t)) == pytest.approx(4.0 / math.pi, rel=1e-3)
+    assert not judge_swing(t, 1e-4 * np.sin(8.0 * t), 0.0, 2e-3, exact=False).oscillates  # less than the card can tell
+
+
+@pytest.mark.parametrize(("interval", "kind"), [(0.3, "flip"), (0.5, "flip")])
+def test_the_ideal_twin_begins_to_oscillate_where_its_linearisation_says(interval, kind):
+    """Between the edges up and down, which differ by the load's pressure alone; at half the sampling frequency."""
+    scenario = ideal(interval)
+    timing = Timing(interval, 0.0, "measured", 0.0)
+    edges = [theory_gain(sampled(plant, timing), 0.0) for plant in plants(scenario).values()]
+    found = critical_gain(scenario, edges[0].gain, 5e-4, 0.03)
+    mean = 2.0 / sum(1.0 / edge.gain for edge in edges)  # of both gains of the valve
+    assert [edge.kind for edge in edges] == [kind, kind]
+    assert found.critical == pytest.approx(mean, rel=0.05)
+    assert found.frequency == pytest.approx(0.5 / interval, rel=0.02)
+
+
+def test_with_a_leak_the_small_swing_is_that_about_rest():
+    """The opening that feeds the leak damps the load: the edge moves from the resonance's to a flip."""
+    without, leaking = ideal(0.05), ideal(0.05, "leak")
+    timing = Timing(0.05, 0.0, "measured", 0.0)
+    assert set(plants(without)) == {"up", "down"}
+    edge = theory_gain(sampled(plants(leaking)["rest"], timing), 0.0)
+    assert edge.kind == "flip"
+    assert edge.gain > 2.0 * theory_gain(sampled(plants(without)["up"], timing), 0.0).gain
+    on = stand_of(leaking)
+    assert swing_at(leaking, 1.15 * edge.gain, 2e-4, on).oscillates
+    assert not swing_at(leaking, 0.85 * edge.gain, 2e-4, on).oscillates
+
+
+def test_causes_are_named():
+    with pytest.raises(ValueError, match="'wear' is none of overlap"):
+        with_causes(load("step"), ["wear"])
+
+
+@pytest.mark.parametrize("name", ["slow-sampling", "delay", "step", "square", "sine"])
+def test_advice_agrees_with_what_check_finds(name, tmp_path):
+    scenario = load(name)
+    advice, outcome = advise(scenario), check_scenario(scenario, "inprocess", tmp_path)
+    swings = [verdict for verdict in outcome.verdicts if "limit cycle" in verdict.text]
+    assert outcome.passed
+    if advice["verdict"] == "unstable":
+        found = float(swings[0].found.partition(" at ")[2].split()[0])
+        predicted = [point["swing"]["frequency"] for point in advice["points"].values()]
+        assert 0.85 * min(predicted) < found < 1.15 * max(predicted)
+    else:
+        assert advice["verdict"] == "stable"
+        assert all("limit cycle: present" not in verdict.text for verdict in swings)
+
+
+def test_suggested_gains_keep_their_margins():
+    scenario = load("slow-sampling")
+    timing, found = Timing(0.1, 0.0, "measured", 0.0), plants(scenario)
+    gain = suggested_gain(found, timing, 0.0)
+    kept = [margins(plant, timing, gain, 0.0) for plant in found.values()]
+    assert min(m.gain_margin for m in kept) >= 2.0
+    assert min(m.delay_margin for m in kept) >= 0.999 * timing.period
+
+
+def test_loops_without_theory_are_refused():
+    with pytest.raises(ScenarioError, match="set controller.law = 'pd'"):
+        advise(load("hold-load"))
+
+
+def test_summary_places_the_run_and_compares_frequencies(tmp_path):
+    scenario = load("slow-sampling", ["duration=8"])
+    outcome = run_scenario(scenario, RunRequest("inprocess", 1.0, False, tmp_path / "a.mcap", 10.0, False, None))
+    at = outcome.summary["stability"]
+    assert at["verdict"] == "unstable"
+    assert at["found_frequency"] == pytest.approx(5.0, rel=0.01)
+    assert at["points"]["rest"]["swing_frequency"] == pytest.approx(5.0, rel=0.01)
+    assert run_scenario(load("hold-load", ["duration=1"]), RunRequest("inprocess", 1.0, False, tmp_path / "b.mcap", 10.0, False, None)).summary["stability"] is None
+
+
+@pytest.mark.parametrize(("share", "oscillates"), [(0.8, False), (1.3, True)])
+def test_an_edge_found_in_process_holds_through_the_wire(share, oscillates, tmp_path):
+    """The same trial in lockstep, with three processes: what `record_in_process` records, bit for bit."""
+    scenario = load("step", ["loop.sample_period=0.1", "loop.delay=0.0", "loop.command_timeout=1.2"])
+    asked = probe(scenario, share * per_metre(0.9, 0.27, 10.0), 20e-3).model_copy(update={"duration": 6.0})
+    outcome = run_scenario(asked, RunRequest("lockstep", 1.0, False, tmp_path / "a.mcap", 20.0, False, None))
+    assert not outcome.faults
+    from bridge.recording.reader import read
+
+    columns = read(tmp_path / "a.mcap", ("state",)).columns("state")
+    swing = judge_swing(columns["stamp"] / 1e9, columns["position"], 0.1, 20e-3, exact=False)
+    assert swing.oscillates is oscillates
+
+
+def test_counts_of_a_chart_agree_with_multipliers_one_by_one():
+    family = Plainly({"damping": 0.1})
+    x, y = np.linspace(0.5, 9.0, 4), np.linspace(0.1, 4.0, 5)
+    for across, up in (("period", "gain"), ("gain", "period"), ("delay", "damping")):
+        drawn = chart(family, across, up, x, y)
+        for i, j in ((0, 0), (4, 3), (2, 1)):
+            at = {**family.numbers, across: float(x[j]), up: float(y[i])}
+            found = multipliers(family.loop(at), at["gain"], at["derivative"])
+            assert drawn.outside[i, j] == np.sum(np.abs(found) > 1.0 + 1e-7)
+
+
+def test_map_writes_picture_table_and_a_page_without_addresses(tmp_path):
+    words = ["map", "period", "gain", "--rig", "slow-sampling", "--x", "80:200", "--y", "0.2:2", "--cells", "12"]
+    done = CliRunner().invoke(app, [*words, "--runs", "2", "--workers", "1", "-o", str(tmp_path / "m"), "--json"])
+    assert done.exit_code == 0, done.output
+    assert [path.rpartition(".")[2] for path in json.loads(done.output[done.output.index("[") :])] == ["png", "csv", "html", "csv"]
+    page = (tmp_path / "m.html").read_text()
+    assert "http" not in page
+    assert "<canvas" in page
+    assert len((tmp_path / "m.csv").read_text().splitlines()) == 1 + 144
+    runs = np.loadtxt(tmp_path / "m-runs.csv", delimiter=",", skiprows=1)
+    assert {0.0, 1.0} == set(runs[:, 2])
