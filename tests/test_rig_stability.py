@@ -20,7 +20,7 @@ from bridge.stability.criterion import crossing_frequency, judge_swing
 from bridge.stability.loop import Timing, multipliers, sampled, stable
 from bridge.stability.margins import critical_gain as theory_gain
 from bridge.stability.margins import derivative_range, margins, suggested_gain
-from bridge.stability.plant import plants
+from bridge.stability.plant import at_rest, plants
 from bridge.stability.probe import critical_gain, probe, stand_of, swing_at
 from bridge.stability.trial import stand, trial
 from controller.law import per_metre
@@ -130,7 +130,7 @@ def test_causes_are_named():
 
 @pytest.mark.parametrize("name", ["slow-sampling", "delay", "step", "square", "sine"])
 def test_advice_agrees_with_what_check_finds(name, tmp_path):
-    scenario = load(name)
+    scenario = load(name, ["duration=8"])
     advice, outcome = advise(scenario), check_scenario(scenario, "inprocess", tmp_path)
     swings = [verdict for verdict in outcome.verdicts if "limit cycle" in verdict.text]
     assert outcome.passed
@@ -167,17 +167,26 @@ def test_summary_places_the_run_and_compares_frequencies(tmp_path):
     assert run_scenario(load("hold-load", ["duration=1"]), RunRequest("inprocess", 1.0, False, tmp_path / "b.mcap", 10.0, False, None)).summary["stability"] is None
 
 
-@pytest.mark.parametrize(("share", "oscillates"), [(0.8, False), (1.3, True)])
-def test_an_edge_found_in_process_holds_through_the_wire(share, oscillates, tmp_path):
-    """The same trial in lockstep, with three processes: what `record_in_process` records, bit for bit."""
-    scenario = load("step", ["loop.sample_period=0.1", "loop.delay=0.0", "loop.command_timeout=1.2"])
-    asked = probe(scenario, share * per_metre(0.9, 0.27, 10.0), 20e-3).model_copy(update={"duration": 6.0})
+ENDURANCE = [
+    pytest.param(interval, gain, share, oscillates, marks=pytest.mark.endurance)
+    for interval, gain in ((0.2, 0.43), (0.3, 0.28), (0.5, 0.165))
+    for share, oscillates in ((0.85, False), (1.15, True))
+]
+
+
+@pytest.mark.parametrize(("interval", "gain", "share", "oscillates"), [(0.1, 0.9, 1.3, True), *ENDURANCE])
+def test_an_edge_found_in_process_holds_through_the_wire(interval, gain, share, oscillates, tmp_path):
+    """Steps of 20 mm as in figure 5.21, but in lockstep, with three processes; gains in V/%."""
+    times = [f"loop.sample_period={interval}", "loop.delay=0.0", f"loop.command_timeout={12 * interval}"]
+    asked = probe(at_rest(load("step", times)), share * per_metre(gain, 0.27, 10.0), 20e-3)
+    if interval == 0.1:
+        asked = asked.model_copy(update={"duration": 4.0})
     outcome = run_scenario(asked, RunRequest("lockstep", 1.0, False, tmp_path / "a.mcap", 20.0, False, None))
     assert not outcome.faults
     from bridge.recording.reader import read
 
     columns = read(tmp_path / "a.mcap", ("state",)).columns("state")
-    swing = judge_swing(columns["stamp"] / 1e9, columns["position"], 0.1, 20e-3, exact=False)
+    swing = judge_swing(columns["stamp"] / 1e9, columns["position"], asked.reference.at, 20e-3, exact=False)
     assert swing.oscillates is oscillates
 
 
@@ -193,8 +202,8 @@ def test_counts_of_a_chart_agree_with_multipliers_one_by_one():
 
 
 def test_map_writes_picture_table_and_a_page_without_addresses(tmp_path):
-    words = ["map", "period", "gain", "--rig", "slow-sampling", "--x", "80:200", "--y", "0.2:2", "--cells", "12"]
-    done = CliRunner().invoke(app, [*words, "--runs", "2", "--workers", "1", "-o", str(tmp_path / "m"), "--json"])
+    words = ["map", "period", "gain", "--rig", "slow-sampling", "--x", "80:200", "--y", "0.05:2", "--cells", "12"]
+    done = CliRunner().invoke(app, [*words, "--runs", "3", "--workers", "1", "-o", str(tmp_path / "m"), "--json"])
     assert done.exit_code == 0, done.output
     assert [path.rpartition(".")[2] for path in json.loads(done.output[done.output.index("[") :])] == ["png", "csv", "html", "csv"]
     page = (tmp_path / "m.html").read_text()

@@ -42,7 +42,7 @@ def cluster(task: Task, points: Sequence[Point], address: str) -> Done:
     except ImportError:
         raise RunError("--scheduler needs Dask: pip install 'hydrotwin[sweep]'") from None
     try:
-        client = Client(address, timeout="10s", set_as_default=False)
+        client = Client(address, timeout="10s")
     except (OSError, ValueError, TimeoutError) as error:
         raise RunError(f"no Dask scheduler answers at {address}: {error}") from None
     with client:
