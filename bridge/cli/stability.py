@@ -9,7 +9,9 @@ from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, print_json
 
 PAIR = "LOW:HIGH"
 WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one a core]", show_default=False)]
-SCHEDULER = Annotated[str | None, typer.Option(help="Address of a Dask scheduler to run on instead.", metavar="ADDRESS")]
+SCHEDULER = Annotated[
+    str | None, typer.Option(help="Address of a Dask scheduler to run on instead.", metavar="ADDRESS")
+]
 
 
 def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:

@@ -19,7 +19,16 @@ INTERVALS = (0.02, 0.05, 0.1, 0.2, 0.4)  # [s], without delay
 DELAYS = (0.0, 0.03, 0.06, 0.1, 0.15)  # [s], at 100 ms
 INTERVAL = 0.1  # [s], of the delays
 SIZE = 2e-3  # [m]
-SHOWN = {"none": "o", "leak": "s", "friction": "v", "overlap": "^", "dead band": ">", "areas": "D", "waves": "P", "all": "*"}
+SHOWN = {
+    "none": "o",
+    "leak": "s",
+    "friction": "v",
+    "overlap": "^",
+    "dead band": ">",
+    "areas": "D",
+    "waves": "P",
+    "all": "*",
+}
 
 
 def causes(
@@ -67,7 +76,10 @@ def draw_causes() -> tuple[Columns, Sheet]:
     late = [places.index((INTERVAL, delay)) for delay in DELAYS]
     for i, name in enumerate(cases):
         ratio = columns[f"{name}: twin [V/%]"] / columns[f"{name}: theory [V/%]"]
-        style: dict[str, Any] = {"linewidth": 1.8 if name in ("none", "all") else 1.0, "color": f"C{i % 10}"}
+        style: dict[str, Any] = {
+            "linewidth": 1.8 if name in ("none", "all") else 1.0,
+            "color": "k" if name == "all" else f"C{i % 10}",
+        }
         mark = SHOWN.get(name, ".")
         left.plot(INTERVALS, ratio[list(over)], marker=mark, label=_words(name), **style)
         right.plot([d * 1e3 for d in DELAYS], ratio[late], marker=mark, **style)
@@ -78,11 +90,14 @@ def draw_causes() -> tuple[Columns, Sheet]:
     left.minorticks_off()
     for axes in (left, right):
         axes.axhline(1.0, color="0.5", linewidth=0.8)
-        axes.set(yscale="log", ylim=(0.1, 4.0))
-        axes.set_yticks([0.1, 0.2, 0.5, 1, 2, 4], labels=["0.1", "0.2", "0.5", "1", "2", "4"])
+        axes.set(yscale="log", ylim=(0.03, 15.0))
+        axes.set_yticks([0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10], labels=["0.05", "0.1", "0.2", "0.5", "1", "2", "5", "10"])
         axes.minorticks_off()
     left.legend(fontsize=7, frameon=False, ncols=2, loc="lower right")
-    remark(page, f"Steps of {SIZE * 1e3:g} mm about 100 mm. 1 is the theory about rest, or between up and down where nothing leaks.")
+    remark(
+        page,
+        f"Steps of {SIZE * 1e3:g} mm. 1 is the theory about rest, or between up and down where nothing leaks.",
+    )
     return {name: np.nan_to_num(column) for name, column in columns.items()}, page
 
 

@@ -57,7 +57,10 @@ def draw_computed() -> tuple[Columns, Sheet]:
     left.fill_between(intervals, 0.0, np.min([e[0] for e in edges.values()], axis=0), color=GREEN, alpha=0.1)
     left.text(0.025, 0.1, "stable", color=GREEN)
     _finish(left, right)
-    remark(page, "Linear theory of the rig with hold, without friction: lumped lines, steady relief valve, 120 kg at 100 mm.")
+    remark(
+        page,
+        "Linear theory of the rig with hold, without friction: lumped lines, steady relief valve, 120 kg at 100 mm.",
+    )
     return columns, page
 
 
@@ -99,11 +102,16 @@ def draw_measured() -> tuple[Columns, Sheet]:
         share = np.where(share > 0.0, share, np.nan)  # too irregular to have one
         right.plot(times, share, marker, color="0.25", markersize=5, fillstyle="none", label=f"twin, {name}")
     _finish(left, right)
-    remark(page, "Full twin and sampled controller, overlap jumped; thin lines: linear theory. Steps of 2 and 20 mm, up and down.")
+    remark(
+        page,
+        "Full twin, overlap jumped; thin lines: linear theory. Steps of 2 and 20 mm, up and down.",
+    )
     return columns, page
 
 
-def _draw_theory(left: Any, right: Any, times: Array, edges: dict[str, tuple[Array, Array]], faint: bool = False) -> None:
+def _draw_theory(
+    left: Any, right: Any, times: Array, edges: dict[str, tuple[Array, Array]], faint: bool = False
+) -> None:
     style: dict[str, Any] = {"linewidth": 0.9, "linestyle": "--", "alpha": 0.8} if faint else {"linewidth": 1.6}
     for name, (gain, frequency) in edges.items():
         words = None if faint and name == "rest" else f"theory {WORDS[name]}" if faint else WORDS[name]

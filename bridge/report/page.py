@@ -63,7 +63,13 @@ def page(runs: list[Run]) -> str:
     title = text(runs[0].scenario.title or runs[0].scenario.name)
     body = [head(runs, names), metrics(runs, names)]
     body += [differences(runs, names)] if len(runs) > 1 else []
-    body += [_charts(runs, names), _stability(runs, names), *_maps(runs, names), _timing(runs, names), events(runs, names)]
+    body += [
+        _charts(runs, names),
+        _stability(runs, names),
+        *_maps(runs, names),
+        _timing(runs, names),
+        events(runs, names),
+    ]
     body += [parameters(runs, names), scenarios(runs, names), origin(runs, names)]
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
@@ -89,7 +95,9 @@ def _charts(runs: list[Run], names: list[str]) -> str:
 def _stability(runs: list[Run], names: list[str]) -> str:
     points = stability_points(runs)
     drawn = draw_stability(runs, points)
-    return "" if drawn is None else figure(drawn, "stability", "Gain and stability", CAPTION) + words(runs, names, points)
+    return (
+        "" if drawn is None else figure(drawn, "stability", "Gain and stability", CAPTION) + words(runs, names, points)
+    )
 
 
 def _maps(runs: list[Run], names: list[str]) -> list[str]:

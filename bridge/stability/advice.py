@@ -17,9 +17,7 @@ from bridge.stability.plant import Plant, plants
 from controller.law import volts_per_percent
 from controller.reference import evaluate
 
-RULE = (
-    f"gain margin {GAIN_MARGIN:g} at the worst of the points; the patient gain bears one more sampling period of delay too"
-)
+RULE = f"gain margin {GAIN_MARGIN:g} at the worst point; the patient gain bears one more sampling period of delay too"
 WORDS = {"stable": "stable", "unstable": "unstable", "between": "stable or not by direction and size of the motion"}
 
 

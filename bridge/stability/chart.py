@@ -20,7 +20,13 @@ from controller.law import per_metre, volts_per_percent
 
 AXES = ("gain", "derivative", "period", "delay", "damping")
 PLAIN = {"gain": 0.5, "derivative": 0.0, "period": 3.0, "delay": 0.0, "damping": 0.1, "gamma": 0.23}
-RANGES = {"gain": (0.0, 5.0), "derivative": (0.0, 5.0), "period": (0.1, 20.0), "delay": (0.0, 3.0), "damping": (0.0, 2.0)}
+RANGES = {
+    "gain": (0.0, 5.0),
+    "derivative": (0.0, 5.0),
+    "period": (0.1, 20.0),
+    "delay": (0.0, 3.0),
+    "damping": (0.0, 2.0),
+}
 UNITS = {"gain": "V/%", "derivative": "V s/%", "period": "ms", "delay": "ms", "damping": "N s/m"}
 SYMBOLS = {"gain": "s", "derivative": "d", "period": "tau", "delay": "delay/tau", "damping": "k"}
 

@@ -100,7 +100,7 @@ def multipliers(loop: Loop, gain: Array | float, derivative: Array | float) -> N
     """Eigenvalues of M for gains of any one shape; a last axis is added."""
     p, d = np.broadcast_arrays(np.asarray(gain, float), np.asarray(derivative, float))
     rows = p[..., None, None] * loop.by_gain + d[..., None, None] * loop.by_derivative
-    return np.linalg.eigvals(loop.free + loop.entry @ rows)
+    return np.linalg.eigvals(loop.free + loop.entry @ rows).astype(complex)
 
 
 def excess(loop: Loop, gain: Array | float, derivative: Array | float) -> Array:

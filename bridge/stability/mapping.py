@@ -13,6 +13,7 @@ from bridge.stability.runs import twin_runs
 from bridge.sweep.engine import Crew
 
 AROUND = {"gain": (0.0, 4.0), "derivative": (0.0, 4.0), "period": (0.2, 5.0), "delay": (0.0, 5.0)}  # of the rig's own
+DAMPINGS = (0.0, 2000.0)  # [N s/m]
 LEAST = {"gain": 1.0, "derivative": 0.02, "period": 20.0, "delay": 20.0}  # what stands in for 0, rig units
 
 
@@ -67,19 +68,21 @@ def span(axis: str, text: str | None, family: Family, cells: int) -> NDArray[np.
     if axis not in AXES:
         raise ValueError(f"axis {axis!r} is none of {', '.join(AXES)}")
     if text is not None:
-        low, sign, high = text.partition(":")
+        low, _, high = text.partition(":")
         try:
-            ends = float(low), float(high)
+            low_end, high_end = float(low), float(high)
         except ValueError:
             raise ValueError(f"range {text!r} of {axis}: write LOW:HIGH, two numbers") from None
     elif isinstance(family, OfRig):
         own = family.numbers[axis] or LEAST.get(axis, 0.0)
-        ends = tuple(own * share for share in AROUND[axis]) if axis in AROUND else (0.0, 2000.0)
+        around = AROUND.get(axis)
+        low_end, high_end = (own * around[0], own * around[1]) if around else DAMPINGS
     else:
-        ends = RANGES[axis]
-    if not ends[0] < ends[1] or ends[0] < 0.0 or (axis == "period" and ends[0] <= 0.0):
-        raise ValueError(f"range {ends[0]:g} to {ends[1]:g} of {axis}: it must rise, and start {'above' if axis == 'period' else 'at'} 0 or more")
-    return np.linspace(*ends, cells)
+        low_end, high_end = RANGES[axis]
+    if not 0.0 <= low_end < high_end or (axis == "period" and low_end == 0.0):
+        least = "above 0" if axis == "period" else "at 0 or more"
+        raise ValueError(f"range {low_end:g} to {high_end:g} of {axis}: it must rise, and start {least}")
+    return np.linspace(low_end, high_end, cells)
 
 
 def inner(values: NDArray[np.float64], count: int) -> list[float]:

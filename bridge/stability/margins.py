@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -69,7 +70,7 @@ def delay_margin(plant: Plant, timing: Timing, gain: float, derivative: float) -
     if not good(0.0):
         return 0.0
     tried = np.linspace(0.0, LATEST * timing.period, DELAYS).tolist()
-    for before, after in zip(tried, tried[1:], strict=False):
+    for before, after in pairwise(tried):
         if not good(after):
             return edge(good, before, after)
     return math.inf
@@ -85,7 +86,7 @@ def margins(plant: Plant, timing: Timing, gain: float, derivative: float) -> Mar
 
 
 def suggested_gain(plants: Mapping[str, Plant], timing: Timing, derivative: float) -> float:
-    """A gain [1/m] with GAIN_MARGIN and DELAY_MARGIN at every point: half the least critical one, or less; 0.0: none."""
+    """A gain [1/m] with GAIN_MARGIN and DELAY_MARGIN at every point: half the least critical one, or less; 0.0: none"""
     least = min(critical_gain(sampled(plant, timing), derivative).gain for plant in plants.values())
     gain = least / GAIN_MARGIN
     if not 0.0 < gain < math.inf:

@@ -60,8 +60,8 @@ c.addEventListener("mousemove", event => {
   const n = d.outside[j][i], angle = d.angle[j][i];
   const how = angle > Math.PI - 1e-4 ? "a flip, at half the sampling frequency" : angle < 1e-4 ? "no swing" :
     `a swing at ${(angle / Math.PI).toPrecision(4)} of half the sampling frequency`;
-  let words = `${d.labels[0]} ${d.x[i].toPrecision(4)}, ${d.labels[1]} ${d.y[j].toPrecision(4)}: ` +
-    `${d.total[j][i] - n} of ${d.total[j][i]} multipliers stable; the largest is ${d.size[j][i].toPrecision(6)}, ${how}.`;
+  const all = d.total[j][i], at = [d.x[i], d.y[j]].map((v, k) => `${d.labels[k]} ${v.toPrecision(4)}`).join(", ");
+  let words = `${at}: ${all - n} of ${all} multipliers stable; the largest is ${d.size[j][i].toPrecision(6)}, ${how}.`;
   for (const r of d.runs) if (Math.hypot(px(r[0]) - X, py(r[1]) - Y) < 12)
     words += ` Run: ${r[2] ? `oscillates at ${r[3].toPrecision(4)}` : "dies away"}.`;
   out.textContent = words; draw([px(d.x[i]), py(d.y[j])]);

@@ -36,7 +36,7 @@ class Plant(NamedTuple):
 
 
 def plants(scenario: Scenario) -> dict[str, Plant]:
-    """The linear plants of a scenario's rig at its start, by their point. Raises ValueError where the oil cannot follow."""
+    """The linear plants of a scenario's rig at its start, by their point. ValueError where the oil cannot follow."""
     circuit = build(scenario.rig_values(), scenario.loop.step)
     found = {}
     resting = rest_point(circuit, scenario.start.position)
@@ -82,7 +82,7 @@ def _plant(name: str, point: State, edge: str | None, opening: float, scenario: 
 
 
 def at_rest(scenario: Scenario) -> Scenario:
-    """The scenario, started with the upper chamber's pressure of its rest; without a leak midway between up and down."""
+    """The scenario, started with the upper chamber's pressure of its rest; without a leak midway from up to down."""
     circuit = build(scenario.rig_values(), scenario.loop.step)
     resting = rest_point(circuit, scenario.start.position)
     points = [resting] if resting else [edge_point(circuit, scenario.start.position, edge) for edge in ("+", "-")]

@@ -1,7 +1,7 @@
 """One run of the twin under its sampled controller, without messages: what sweeps are made of.
 
-The same hold, card and control law as in `bridge.plant_side` and `bridge.controller_side`, so the piston moves as in any
-other mode, bit for bit; but the plant is asked for no more than the sampling instants and a few between them.
+The same hold, card and control law as in `bridge.plant_side` and `bridge.controller_side`, so the piston moves as in
+any other mode, bit for bit; but the plant is asked for no more than the sampling instants and a few between them.
 """
 
 import math
@@ -22,7 +22,8 @@ from twin.equilibrium import equilibrium
 from twin.sensors import NOISE_ROWS, acquire, noise_block
 from twin.state import flatten
 
-ROWS = 8  # at least so many of a trace to a sampling interval, where the DAQ period allows it
+ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
+DENSEST = 5_000_000  # [ns], between rows of a trace where samples are no closer
 
 Array = NDArray[np.float64]
 
@@ -65,9 +66,9 @@ def trial(scenario: Scenario, on: Stand) -> Trace:
 
 
 def row_ticks(grid: Sampling) -> int:
-    """DAQ periods between two rows: the greatest that hits all samples and leaves ROWS of them to an interval."""
+    """DAQ periods between two rows: all samples are hit, and ROWS fall into an interval, or one each DENSEST."""
     common = math.gcd(grid.sample // grid.daq, grid.offset // grid.daq)
-    most = max(1, grid.sample // grid.daq // ROWS)
+    most = max(1, grid.sample // grid.daq // ROWS, min(DENSEST, grid.sample) // grid.daq)
     return max(n for n in range(1, most + 1) if common % n == 0)
 
 
