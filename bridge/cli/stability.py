@@ -90,7 +90,7 @@ def map_stability(
     """Draw a chart of stability over two numbers of the loop: OUTPUT.png, .csv, .html, and the runs' own .csv.
 
     Colours count the multipliers outside the unit circle, by linear theory: of the dimensionless actuator (alone), or
-    of a scenario's rig (--rig), over which then runs of the full twin are laid. An interrupted map goes on where it was.
+    of a scenario's rig (--rig), over which runs of the full twin are laid. An interrupted map goes on where it was.
     """
     from bridge.scenario import ScenarioError
     from bridge.stability.mapping import Wanted, make

@@ -63,7 +63,7 @@ def draw(chart: Chart, runs: Sequence[Run]) -> Any:
     axes.pcolormesh(chart.x, chart.y, counted, cmap=colours, norm=norm, shading="nearest", rasterized=True)
     if counted.min() == 0 < counted.max():
         axes.contour(chart.x, chart.y, counted > 0, levels=[0.5], colors=GOOD, linewidths=1.6)
-    keys = [Patch(color=COLOURS[n], label=_outside_words(n)) for n in np.unique(counted).tolist()]
+    keys: list[Any] = [Patch(color=COLOURS[n], label=_outside_words(n)) for n in np.unique(counted).tolist()]
     for oscillates, colour, marker, words in ((False, GOOD, "o", "run dies away"), (True, BAD, "x", "run oscillates")):
         if chosen := [run for run in runs if run.oscillates is oscillates]:
             across, up = [run.x for run in chosen], [run.y for run in chosen]

@@ -77,7 +77,7 @@ def _held(plant: Plant, period: float, share: float) -> tuple[Array, Array, Arra
     n = len(plant.a)
     whole = np.zeros((n + 1, n + 1))
     whole[:n, :n], whole[:n, n:] = plant.a, plant.b
-    first, rest = expm(whole * period * share), expm(whole * period * (1.0 - share))
+    first, rest = (np.asarray(expm(whole * period * part), float) for part in (share, 1.0 - share))
     return rest[:n, :n] @ first[:n, :n], rest[:n, :n] @ first[:n, n:], rest[:n, n:]
 
 
