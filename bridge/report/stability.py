@@ -35,9 +35,12 @@ def draw_stability(runs: list[Run], points: list[dict[str, Any] | None]) -> Any:
     for (run, point), colour in zip(known, RUNS * len(known), strict=False):
         place = point["sample_period"] * 1e3, point["gain"]
         axis.plot(*place, "o", color=colour, markeredgecolor="white", markersize=8, label=run.name)
-    axis.set(xscale="log", ylim=(0.0, top), xlim=(intervals[0] * 1e3, intervals[-1] * 1e3))
+    bottom = 0.7 * min(float(np.min(edges)), *(point["gain"] for _, point in known))
+    axis.set(xscale="log", yscale="log", ylim=(max(bottom, 1e-3), top), xlim=(intervals[0] * 1e3, intervals[-1] * 1e3))
     ticks = [t for t in (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000) if intervals[0] <= t * 1e-3 <= intervals[-1]]
     axis.set_xticks(ticks, labels=[f"{t}" for t in ticks])
+    rises = [g for g in (0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if bottom <= g <= top]
+    axis.set_yticks(rises, labels=[f"{g:g}" for g in rises])
     axis.minorticks_off()
     axis.set_xlabel("sampling interval [ms]", fontsize=9)
     axis.set_ylabel("gain [V/%]", fontsize=9)
