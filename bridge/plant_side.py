@@ -54,9 +54,9 @@ class PlantSide:
         self._viewer_ticks = max(1, round(loop.viewer_period * NS / self.grid.daq))
         circuit = build(scenario.rig_values(), loop.step)
         self._circuit = compiled(circuit)
-        self._state = flatten(equilibrium(circuit, scenario.start.position))
+        self._state = flatten(equilibrium(circuit, scenario.start.position, scenario.start.p_upper))
         self._taps = np.zeros((2, 5))
-        self._card = _card(scenario)
+        self._card = card_of(scenario)
         self._noise = noise_block(scenario.seed, 0)
         self._reading = np.zeros(5)
         self._observed = np.zeros(len(OBSERVED))
@@ -215,7 +215,8 @@ class PlantSide:
         return out
 
 
-def _card(scenario: Scenario) -> Card:
+def card_of(scenario: Scenario) -> Card:
+    """The scenario's data acquisition card."""
     daq = scenario.daq
     return Card(
         daq.bits,

@@ -9,6 +9,7 @@ from bridge.inprocess import record_in_process
 from bridge.progress import Progress
 from bridge.recording.reader import Recording, read
 from bridge.scenario import Scenario
+from bridge.stability.operating import operating_point
 from bridge.summary import NEEDED, summarise, verdict
 
 
@@ -42,6 +43,7 @@ def run_scenario(scenario: Scenario, request: RunRequest) -> Outcome:
         return Outcome(scenario, {"scenario": scenario.name, "faults": faults, "notes": notes}, faults, None, None)
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
     faults = [*faults, *verdict(summary, scenario)]
+    summary |= {"stability": operating_point(scenario, summary["metrics"])}
     summary = summary | {"mode": request.mode, "speed": request.speed, "recording": str(request.recording)}
     return Outcome(
         scenario, summary | {"faults": faults, "notes": notes}, faults, request.recording, _picture(scenario, recording)

@@ -14,6 +14,7 @@ from tests.processes import ENVIRONMENT, ROOT, hydrotwin
 VERBS = (
     *("run", "check", "scenarios", "schema", "plant", "controller", "record", "router", "reset"),
     *("info", "compare", "recover", "export", "replay", "remote"),
+    *("advise", "map"),
     *("digest", "messages", "figure", "figures", "view", "doctor"),
 )
 

@@ -123,11 +123,19 @@ def figure(
         print("\n".join(str(path) for path in paths))
 
 
-def figures(as_json: AS_JSON = False) -> None:
-    """List the figures."""
+def figures(
+    every: Annotated[bool, typer.Option("--all", help="Draw all of them instead.")] = False,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for them, with --all.")] = Path("figures"),
+    as_json: AS_JSON = False,
+) -> None:
+    """List the figures, or draw them all."""
     from bridge.cli.report import print_table
     from bridge.figures import FIGURES
 
+    if every:
+        for name in FIGURES:
+            figure(name, output, as_json)
+        return
     rows = [(entry.name, entry.title) for entry in FIGURES.values()]
     if as_json:
         print_json([{"name": name, "title": title} for name, title in rows])

@@ -33,8 +33,8 @@ def print_summary(outcome: Outcome) -> None:
         rows = [(METRICS[name].words, value_with_unit(name, value)) for name, value in summary["metrics"].items()]
         print_table(("control", ""), rows)
         print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary["timing"]))
-        for line in _counts(summary):
-            console.print(line, highlight=False)
+        for line in [*_stability(summary), *_counts(summary)]:
+            console.print(line, highlight=False, soft_wrap=True)
     for note in summary["notes"]:
         console.print(f"[yellow]{note}[/yellow]", highlight=False)
     for fault in outcome.faults:
@@ -52,6 +52,14 @@ def _timing_rows(timing: dict[str, Any]) -> list[list[str]]:
         if spread:
             rows.append([words, *(f"{value * 1e6:.1f} us" for value in spread.values())])
     return rows
+
+
+def _stability(summary: dict[str, Any]) -> list[str]:
+    """Where the run stands among the stable gains."""
+    from bridge.stability.operating import sentences
+
+    found = summary.get("stability")
+    return [f"{word:11}{line}" for word, line in zip(("gain", ""), sentences(found), strict=True)] if found else []
 
 
 def _counts(summary: dict[str, Any]) -> Iterable[str]:

@@ -1,6 +1,6 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
-from bridge.cli import inspect, looking, processes, record, recordings, replay, running
+from bridge.cli import inspect, looking, processes, record, recordings, replay, running, stability
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {
@@ -10,6 +10,8 @@ PANELS = {
         running.schema,
         inspect.describe,
         inspect.convergence,
+        stability.advise,
+        stability.map_stability,
         looking.view,
         looking.report,
         recordings.info,
@@ -32,6 +34,7 @@ PANELS = {
         processes.reset,
     ),
 }
+NAMES = {"map_stability": "map"}  # where a verb is a word that Python has taken
 for _panel, _verbs in PANELS.items():
     for _verb in _verbs:
-        app.command(rich_help_panel=_panel)(_verb)
+        app.command(NAMES.get(_verb.__name__), rich_help_panel=_panel)(_verb)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from bridge.figures import friction, oil, rig, transients
+from bridge.figures import friction, oil, rig, stability_causes, stability_edges, transients
 from bridge.figures.canvas import Columns, Sheet
 
 
@@ -29,8 +29,12 @@ _ALL = (
     Figure("2.28", "Load change and impingement at four pump speeds", transients.draw_experiment),
     Figure("2.29", "Load change: pressures, position, relief valve", transients.draw_load_change),
     Figure("2.30", "Impingement: pressures, position, relief valve", transients.draw_impingement),
+    Figure("5.20", "Critical gain over the sampling interval, computed", stability_edges.draw_computed),
+    Figure("5.21", "Critical gain over the sampling interval, found on the twin", stability_edges.draw_measured),
+    Figure("causes", "Why the twin parts from its linear theory, by cause", stability_causes.draw_causes),
     Figure("circuit", "The circuit, from the rig's own numbers", rig.draw_circuit),
 )
+LONG = ("5.21", "causes")  # a minute on two cores: hundreds of runs of the twin
 FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 
 

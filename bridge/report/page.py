@@ -17,6 +17,7 @@ from bridge.report.sections import (
     scenarios,
     timing_table,
 )
+from bridge.report.stability import CAPTION, draw_stability, stability_points, words
 from bridge.scenario import ScenarioError
 
 CSS = """
@@ -62,7 +63,13 @@ def page(runs: list[Run]) -> str:
     title = text(runs[0].scenario.title or runs[0].scenario.name)
     body = [head(runs, names), metrics(runs, names)]
     body += [differences(runs, names)] if len(runs) > 1 else []
-    body += [_charts(runs, names), *_maps(runs, names), _timing(runs, names), events(runs, names)]
+    body += [
+        _charts(runs, names),
+        _stability(runs, names),
+        *_maps(runs, names),
+        _timing(runs, names),
+        events(runs, names),
+    ]
     body += [parameters(runs, names), scenarios(runs, names), origin(runs, names)]
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
@@ -83,6 +90,14 @@ def figure(drawn: object, name: str, title: str, caption: str) -> str:
 def _charts(runs: list[Run], names: list[str]) -> str:
     shown = [chart for chart in CHARTS if any(chart.shown(run) for run in runs)]
     return "".join(figure(draw_chart(chart, runs, names), chart.name, chart.title, chart.reads) for chart in shown)
+
+
+def _stability(runs: list[Run], names: list[str]) -> str:
+    points = stability_points(runs)
+    drawn = draw_stability(runs, points)
+    return (
+        "" if drawn is None else figure(drawn, "stability", "Gain and stability", CAPTION) + words(runs, names, points)
+    )
 
 
 def _maps(runs: list[Run], names: list[str]) -> list[str]:

@@ -28,6 +28,7 @@ class Start(Part):
     """Where the piston waits, at rest with the valve shut."""
 
     position: Metres = Field(default=0.1, description="piston [m], from the lower end")
+    p_upper: Pressure = Field(default=0.0, ge=0.0, description="upper chamber [Pa], gauge; the lower carries the rest")
 
 
 class Loop(Part):

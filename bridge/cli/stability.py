@@ -1,0 +1,106 @@
+"""Verbs about the stability of the sampled loop: advise, map."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, print_json
+
+PAIR = "LOW:HIGH"
+WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one a core]", show_default=False)]
+SCHEDULER = Annotated[
+    str | None, typer.Option(help="Address of a Dask scheduler to run on instead.", metavar="ADDRESS")
+]
+
+
+def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
+    """Say which gains a scenario's loop bears: critical gains, margins, how it would swing, gains to take.
+
+    By linear theory about the rig's own points of rest and slow motion; what it leaves out is in docs/stability.md.
+    """
+    from bridge.scenario import load
+    from bridge.stability.advice import advise as advice
+
+    found = advice(load(scenario, changes))
+    if as_json:
+        print_json(found)
+    else:
+        _print(found)
+
+
+def _print(found: dict[str, Any]) -> None:
+    from bridge.cli.report import print_table
+    from bridge.stability.advice import WORDS
+
+    own, derivative = found["gain"]["volts"], found["derivative_gain"]["volts"]
+    print(
+        f"{found['scenario']}: P {own:.4g} V/%, D {derivative:.4g} V s/% ({found['derivative']}), sampled every "
+        f"{found['period'] * 1e3:g} ms, delay {found['delay'] * 1e3:g} ms, held at {found['held_at'] * 1e3:g} mm"
+    )
+    print(f"By linear theory the loop is {WORDS[found['verdict']]}.\n")
+    heads = ("about", "opening", "critical P", "gain margin", "delay margin", "stable D", "starts as", "at these gains")
+    print_table(heads, [_row(name, point) for name, point in found["points"].items()])
+    suggested = found["suggested"]
+    gain, patient = (_volts(suggested[name], "V/%") for name in ("gain", "patient"))
+    print(f"\nsuggested P: {gain}, patient {patient} ({suggested['rule']})")
+
+
+def _row(name: str, point: dict[str, Any]) -> tuple[str, ...]:
+    swing, margin, late = point["swing"], point["gain_margin"], point["delay_margin"]
+    low, high = point["least_derivative"]["volts"], point["critical_derivative"]["volts"]
+    width = "none" if low is None else f"{low:.3g} to {'any' if high is None else f'{high:.3g}'} V s/%"
+    now = "dies away" if point["stable"] else f"{swing['kind']}, {swing['frequency']:.3g} Hz"
+    return (
+        name,
+        f"{point['opening'] * 1e2:.2g} %",
+        _volts(point["critical_gain"], "V/%"),
+        "-" if margin is None else f"{margin:.3g}",
+        "long" if late is None else f"{late * 1e3:.3g} ms",
+        width,
+        f"{point['kind']}, {point['frequency']:.3g} Hz",
+        now,
+    )
+
+
+def _volts(gain: dict[str, float | None], unit: str) -> str:
+    return "none" if gain["volts"] is None else f"{gain['volts']:.4g} {unit}"
+
+
+def map_stability(
+    across: Annotated[str, typer.Argument(help="Axis: gain, derivative, period, delay or damping.")] = "period",
+    up: Annotated[str, typer.Argument(help="The other axis.")] = "gain",
+    x: Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the first axis.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the other.")] = None,
+    rig: Annotated[
+        str | None, typer.Option("--rig", metavar="SCENARIO", help="A scenario's rig: V/%, V s/%, ms, and runs of it.")
+    ] = None,
+    about: Annotated[str, typer.Option(help="Point of the rig: rest, up or down. [default: rest]")] = "",
+    changes: CHANGES = None,
+    fixed: Annotated[
+        list[str] | None, typer.Option("--at", metavar="NAME=NUMBER", help="The other numbers, such as delay=0.5.")
+    ] = None,
+    cells: Annotated[int, typer.Option(min=2, max=1000, help="Of the theory, a side.")] = 120,
+    runs: Annotated[int, typer.Option(min=0, max=100, help="Runs of the twin a side, with --rig; 0 for none.")] = 8,
+    workers: WORKERS = 0,
+    scheduler: SCHEDULER = None,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Name of the files, without ending.")] = Path("map"),
+    as_json: AS_JSON = False,
+) -> None:
+    """Draw a chart of stability over two numbers of the loop: OUTPUT.png, .csv, .html, and the runs' own .csv.
+
+    Colours count the multipliers outside the unit circle, by linear theory: of the dimensionless actuator (alone), or
+    of a scenario's rig (--rig), over which runs of the full twin are laid. An interrupted map goes on where it was.
+    """
+    from bridge.scenario import ScenarioError
+    from bridge.stability.mapping import Wanted, make
+
+    try:
+        wanted = Wanted(across, up, x, y, rig, about, tuple(changes or ()), tuple(fixed or ()), cells, runs)
+        paths = make(wanted, output, workers, scheduler)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
+    if as_json:
+        print_json([str(path) for path in paths])
+    else:
+        print("\n".join(str(path) for path in paths))

@@ -1,0 +1,58 @@
+"""The report's chart of stability: the run's gain among those its loop bears, over the sampling interval."""
+
+from typing import Any
+
+import numpy as np
+
+from bridge.report.charts import BLUE, GREY, RED, RUNS, canvas
+from bridge.report.inline import text
+from bridge.report.run import Run
+from bridge.stability.operating import edge_curves, operating_point, sentences
+
+CAPTION = (
+    "By linear theory, without friction, about the points where the piston rests and slowly moves: stable below both "
+    "lines, unstable above both, between them by direction and size of the motion. The dot is the run."
+)
+
+
+def stability_points(runs: list[Run]) -> list[dict[str, Any] | None]:
+    """The operating point of each run; None where there is no theory for its loop."""
+    return [operating_point(run.scenario, run.summary.get("metrics", {})) for run in runs]
+
+
+def draw_stability(runs: list[Run], points: list[dict[str, Any] | None]) -> Any:
+    """A matplotlib figure: edges of the first run that has any, and a dot a run; None without one."""
+    known = [(run, point) for run, point in zip(runs, points, strict=True) if point is not None]
+    if not known:
+        return None
+    intervals, edges = edge_curves(known[0][0].scenario)
+    figure, (axis,) = canvas(1, 2.8)
+    top = 1.25 * max(float(np.max(edges)), *(point["gain"] for _, point in known))
+    axis.fill_between(intervals * 1e3, 0.0, edges[:, 0], color=BLUE, alpha=0.12, linewidth=0.0)
+    axis.fill_between(intervals * 1e3, edges[:, 0], edges[:, 1], color=GREY, alpha=0.25, linewidth=0.0)
+    axis.plot(intervals * 1e3, edges[:, 0], color=BLUE, linewidth=1.2, label="stable below")
+    axis.plot(intervals * 1e3, edges[:, 1], color=RED, linewidth=1.2, label="unstable above")
+    for (run, point), colour in zip(known, RUNS * len(known), strict=False):
+        place = point["sample_period"] * 1e3, point["gain"]
+        axis.plot(*place, "o", color=colour, markeredgecolor="white", markersize=8, label=run.name)
+    bottom = 0.7 * min(float(np.min(edges)), *(point["gain"] for _, point in known))
+    axis.set(xscale="log", yscale="log", ylim=(max(bottom, 1e-3), top), xlim=(intervals[0] * 1e3, intervals[-1] * 1e3))
+    ticks = [t for t in (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000) if intervals[0] <= t * 1e-3 <= intervals[-1]]
+    axis.set_xticks(ticks, labels=[f"{t}" for t in ticks])
+    rises = [g for g in (0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if bottom <= g <= top]
+    axis.set_yticks(rises, labels=[f"{g:g}" for g in rises])
+    axis.minorticks_off()
+    axis.set_xlabel("sampling interval [ms]", fontsize=9)
+    axis.set_ylabel("gain [V/%]", fontsize=9)
+    axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, frameon=False, ncols=6, borderpad=0.1)
+    return figure
+
+
+def words(runs: list[Run], names: list[str], points: list[dict[str, Any] | None]) -> str:
+    """A paragraph a run."""
+    parts = []
+    for name, point in zip(names, points, strict=True):
+        if point is not None:
+            lead = f"<b>{text(name)}</b>: " if len(runs) > 1 else ""
+            parts.append(f"<p>{lead}{text('. '.join(line[0].upper() + line[1:] for line in sentences(point)))}.</p>")
+    return "".join(parts)

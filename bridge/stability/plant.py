@@ -1,0 +1,90 @@
+"""The rig as the theory of the sampled loop takes it: linear, about the points where a loop that holds can be.
+
+Held by a controller the piston stands still although oil leaks past it, so the valve is open by what the leak takes:
+the point "rest". A swing larger than this opening changes side at each turn; the limits of slow motion up and down,
+"up" and "down", are what it meets there. Without a leak, or with too large an opening for it, only these two are left.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from bridge.scenario import Scenario
+from twin.build import build
+from twin.circuit import UPPER, Circuit
+from twin.linear import STATES, edge_point, jacobian, moving_point, to_vector
+from twin.state import State
+
+POINTS = ("rest", "up", "down")
+WIDEST = 0.2  # opening [of travel] that is looked for beyond the overlap
+NARROWEST = 1e-6  # and the smallest: less than a leak worth the name needs
+
+Array = NDArray[np.float64]
+
+
+class Plant(NamedTuple):
+    """x' = a x + b u with u the controller's output, -1..1; position and velocity are rows of x."""
+
+    point: str  # one of POINTS
+    a: Array  # (n, n)
+    b: Array  # (n, 1)
+    position: Array  # (1, n)
+    velocity: Array  # (1, n)
+    opening: float  # of the valve there, beyond the overlap, share of the travel
+
+
+def plants(scenario: Scenario) -> dict[str, Plant]:
+    """The linear plants of a scenario's rig at its start, by their point. ValueError where the oil cannot follow."""
+    circuit = build(scenario.rig_values(), scenario.loop.step)
+    found = {}
+    resting = rest_point(circuit, scenario.start.position)
+    if resting is not None:
+        opening = abs(resting.spool.position) - circuit.parts.valve.overlap
+        found["rest"] = _plant("rest", resting, None, opening, scenario, circuit)
+    for name, edge in (("up", "+"), ("down", "-")):
+        point = edge_point(circuit, scenario.start.position, edge)
+        found[name] = _plant(name, point, edge, 0.0, scenario, circuit)
+    return found
+
+
+def rest_point(circuit: Circuit, position: float) -> State | None:
+    """The point at which the valve passes what leaks and the piston stands still; None without a leak."""
+    overlap = circuit.parts.valve.overlap
+
+    def speed(opening: float) -> float:
+        spool = np.sign(opening) * (overlap + abs(opening))
+        return moving_point(circuit, position, float(spool)).piston.velocity
+
+    for side in (1.0, -1.0):
+        far = side * WIDEST
+        while abs(far) > NARROWEST:  # narrower ones may not exist, so they are come near to from outside
+            near = 0.5 * far
+            try:
+                turned = speed(near) * speed(far) < 0.0
+            except ValueError:
+                break
+            if turned:
+                opening: Any = brentq(speed, near, far, xtol=1e-9)
+                return moving_point(circuit, position, float(np.sign(opening) * (overlap + abs(opening))))
+            far = near
+    return None
+
+
+def _plant(name: str, point: State, edge: str | None, opening: float, scenario: Scenario, circuit: Circuit) -> Plant:
+    n, valve = len(STATES), circuit.parts.valve
+    b, position, velocity = np.zeros((n, 1)), np.zeros((1, n)), np.zeros((1, n))
+    jumped = scenario.controller.compensate_overlap
+    b[STATES.index("spool_velocity"), 0] = valve.natural_frequency**2 * (1.0 - valve.overlap if jumped else 1.0)
+    position[0, STATES.index("position")] = velocity[0, STATES.index("velocity")] = 1.0
+    return Plant(name, jacobian(to_vector(point), circuit, edge), b, position, velocity, opening)
+
+
+def at_rest(scenario: Scenario) -> Scenario:
+    """The scenario, started with the upper chamber's pressure of its rest; without a leak midway from up to down."""
+    circuit = build(scenario.rig_values(), scenario.loop.step)
+    resting = rest_point(circuit, scenario.start.position)
+    points = [resting] if resting else [edge_point(circuit, scenario.start.position, edge) for edge in ("+", "-")]
+    upper = float(np.mean([point.ends.pressure[UPPER] for point in points]))
+    return scenario.model_copy(update={"start": scenario.start.model_copy(update={"p_upper": upper})})

@@ -1,0 +1,108 @@
+"""One run of the twin under its sampled controller, without messages: what sweeps are made of.
+
+The same hold, card and control law as in `bridge.plant_side` and `bridge.controller_side`, so the piston moves as in
+any other mode, bit for bit; but the plant is asked for no more than the sampling instants and a few between them.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge.controller_side import ControllerSide
+from bridge.messages import Measurement
+from bridge.plant_side import SAFE, card_of
+from bridge.scenario import Scenario
+from controller.hold import Hold
+from controller.sampling import NS, Sampling, is_sample
+from twin.block import OBSERVED, Compiled, compiled, run_block
+from twin.build import build
+from twin.equilibrium import equilibrium
+from twin.sensors import NOISE_ROWS, acquire, noise_block
+from twin.state import flatten
+
+ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
+DENSEST = 5_000_000  # [ns], between rows of a trace where samples are no closer
+
+Array = NDArray[np.float64]
+
+
+class Stand(NamedTuple):
+    """A rig, compiled, at rest: made once for many runs."""
+
+    circuit: Compiled
+    rest: Array  # flat state
+
+
+class Trace(NamedTuple):
+    """What a run is judged by, all of one length."""
+
+    time: Array  # [s]
+    position: Array  # [m]
+    spool: Array  # -1..1
+
+
+def stand(scenario: Scenario) -> Stand:
+    """The scenario's rig at its start. Raises ValueError where it has none."""
+    circuit = build(scenario.rig_values(), scenario.loop.step)
+    rest = equilibrium(circuit, scenario.start.position, scenario.start.p_upper)
+    return Stand(compiled(circuit), flatten(rest))
+
+
+def trial(scenario: Scenario, on: Stand) -> Trace:
+    """Run a scenario on a stand of its rig; deterministic."""
+    grid = scenario.loop.grid()
+    ticks = row_ticks(grid)
+    loop, span = _Loop(scenario, on, grid), ticks * grid.daq
+    rows = np.empty((scenario.ticks // ticks + 1, 3))
+    for row in range(len(rows)):
+        begin = row * span
+        loop.sample(begin, row * ticks)
+        rows[row] = begin / NS, *loop.seen[[0, 2]]
+        if row + 1 < len(rows):
+            loop.run(begin, begin + span)
+    return Trace(*rows.T)
+
+
+def row_ticks(grid: Sampling) -> int:
+    """DAQ periods between two rows: all samples are hit, and ROWS fall into an interval, or one each DENSEST."""
+    common = math.gcd(grid.sample // grid.daq, grid.offset // grid.daq)
+    most = max(1, grid.sample // grid.daq // ROWS, min(DENSEST, grid.sample) // grid.daq)
+    return max(n for n in range(1, most + 1) if common % n == 0)
+
+
+class _Loop:
+    """Plant and controller of one run."""
+
+    def __init__(self, scenario: Scenario, on: Stand, grid: Sampling) -> None:
+        self.scenario, self.grid, self.circuit = scenario, grid, on.circuit
+        self.state, self.taps = on.rest.copy(), np.zeros((2, 5))
+        self.seen, self.reading = np.zeros(len(OBSERVED)), np.zeros(5)
+        self.controller, self.hold, self.card = ControllerSide(scenario, 1), Hold(SAFE), card_of(scenario)
+        self.block = 0, noise_block(scenario.seed, 0)
+        self._advance(SAFE, 0)
+        self.taps[0] = self.taps[1]
+
+    def sample(self, now: int, tick: int) -> None:
+        """Read the card and put the answer into the hold, if this is a sampling instant."""
+        if not is_sample(now, self.grid):
+            return
+        acquire(self.taps, self._noise(tick), self.card, self.grid.step / NS, self.reading)
+        answers = self.controller.answer(Measurement(0, tick, tick, now, *self.reading.tolist()))
+        command = next(answer.message for answer in answers if answer.topic == "command")
+        self.hold.put(command.apply_at, command.spool)
+
+    def _noise(self, tick: int) -> Array:
+        number, row = divmod(tick, NOISE_ROWS)
+        if self.block[0] != number:
+            self.block = number, noise_block(self.scenario.seed, number)
+        return self.block[1][row]
+
+    def run(self, begin: int, end: int) -> None:
+        """The plant from one row to the next."""
+        for segment in self.hold.segments(begin, end):
+            self._advance(segment.value, (segment.end - segment.begin) // self.grid.step)
+
+    def _advance(self, reference: float, steps: int) -> None:
+        run_block(self.state, reference, *self.circuit, steps, self.taps, self.seen)

@@ -1,0 +1,182 @@
+"""The twin's own edge of stability beside the linear theory of its own rig."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from bridge.check import check_scenario
+from bridge.cli.verbs import app
+from bridge.inprocess import record_in_process
+from bridge.run import RunRequest, run_scenario
+from bridge.scenario import ScenarioError, load
+from bridge.stability.advice import advise
+from bridge.stability.causes import with_causes
+from bridge.stability.criterion import crossing_frequency, judge_swing
+from bridge.stability.loop import Timing, sampled
+from bridge.stability.margins import critical_gain as theory_gain
+from bridge.stability.margins import margins, suggested_gain
+from bridge.stability.plant import at_rest, plants
+from bridge.stability.probe import critical_gain, probe, stand_of, swing_at
+from bridge.stability.trial import stand, trial
+from controller.law import per_metre
+
+SQRT2 = math.sqrt(2.0)
+
+
+def ideal(interval: float, *causes: str):
+    return with_causes(
+        load("step", [f"loop.sample_period={interval}", "loop.delay=0.0", "loop.command_timeout=9.0"]), causes
+    )
+
+
+@pytest.mark.parametrize("changes", [[], ["loop.sample_period=0.023", "loop.offset=0.007", "loop.delay=0.0311"]])
+def test_a_trial_moves_the_piston_as_any_other_run_does(changes, tmp_path):
+    """Bit for bit: the same card with its noise, law, hold and plant."""
+    scenario = load("step", ["duration=2", "controller.derivative=0.01", *changes])
+    trace = trial(scenario, stand(scenario))
+    columns = record_in_process(scenario, tmp_path / "a.mcap").columns("state")
+    rows = np.searchsorted(columns["stamp"], np.round(trace.time * 1e9).astype(np.int64))
+    assert np.array_equal(columns["stamp"][rows] / 1e9, trace.time)
+    assert np.array_equal(columns["position"][rows], trace.position)
+    assert np.array_equal(columns["spool"][rows], trace.spool)
+
+
+def test_criterion_tells_growth_from_decay_and_irregular_swings():
+    t = np.linspace(0.0, 9.0, 4000)
+    for rate, oscillates in ((0.05, True), (0.0, True), (-0.05, False)):
+        swing = judge_swing(t, 1e-3 * np.exp(rate * t) * np.sin(8.0 * t), 0.0, 2e-3, exact=True)
+        assert swing.oscillates is oscillates
+    assert crossing_frequency(t, np.sin(8.0 * t)) == pytest.approx(4.0 / math.pi, rel=1e-3)
+    assert not judge_swing(t, 1e-4 * np.sin(8.0 * t), 0.0, 2e-3, exact=False).oscillates  # less than the card can tell
+
+
+@pytest.mark.parametrize(("interval", "kind"), [(0.3, "flip"), (0.5, "flip")])
+def test_the_ideal_twin_begins_to_oscillate_where_its_linearisation_says(interval, kind):
+    """Between the edges up and down, which differ by the load's pressure alone; at half the sampling frequency."""
+    scenario = ideal(interval)
+    timing = Timing(interval, 0.0, "measured", 0.0)
+    edges = [theory_gain(sampled(plant, timing), 0.0) for plant in plants(scenario).values()]
+    found = critical_gain(scenario, edges[0].gain, 5e-4, 0.03)
+    mean = 2.0 / sum(1.0 / edge.gain for edge in edges)  # of both gains of the valve
+    assert [edge.kind for edge in edges] == [kind, kind]
+    assert found.critical == pytest.approx(mean, rel=0.05)
+    assert found.frequency == pytest.approx(0.5 / interval, rel=0.02)
+
+
+def test_with_a_leak_the_small_swing_is_that_about_rest():
+    """The opening that feeds the leak damps the load: the edge moves from the resonance's to a flip."""
+    without, leaking = ideal(0.05), ideal(0.05, "leak")
+    timing = Timing(0.05, 0.0, "measured", 0.0)
+    assert set(plants(without)) == {"up", "down"}
+    edge = theory_gain(sampled(plants(leaking)["rest"], timing), 0.0)
+    assert edge.kind == "flip"
+    assert edge.gain > 2.0 * theory_gain(sampled(plants(without)["up"], timing), 0.0).gain
+    on = stand_of(leaking)
+    assert swing_at(leaking, 1.15 * edge.gain, 2e-4, on).oscillates
+    assert not swing_at(leaking, 0.85 * edge.gain, 2e-4, on).oscillates
+
+
+def test_causes_are_named():
+    with pytest.raises(ValueError, match="'wear' is none of overlap"):
+        with_causes(load("step"), ["wear"])
+
+
+@pytest.mark.parametrize("name", ["slow-sampling", "delay", "step", "square", "sine"])
+def test_advice_agrees_with_what_check_finds(name, tmp_path):
+    scenario = load(name, ["duration=8"])
+    advice, outcome = advise(scenario), check_scenario(scenario, "inprocess", tmp_path)
+    swings = [verdict for verdict in outcome.verdicts if "limit cycle" in verdict.text]
+    assert outcome.passed
+    if advice["verdict"] == "unstable":
+        found = float(swings[0].found.partition(" at ")[2].split()[0])
+        predicted = [point["swing"]["frequency"] for point in advice["points"].values()]
+        assert 0.85 * min(predicted) < found < 1.15 * max(predicted)
+    else:
+        assert advice["verdict"] == "stable"
+        assert all("limit cycle: present" not in verdict.text for verdict in swings)
+
+
+def test_suggested_gains_keep_their_margins():
+    scenario = load("slow-sampling")
+    timing, found = Timing(0.1, 0.0, "measured", 0.0), plants(scenario)
+    gain = suggested_gain(found, timing, 0.0)
+    kept = [margins(plant, timing, gain, 0.0) for plant in found.values()]
+    assert min(m.gain_margin for m in kept) >= 2.0
+    assert min(m.delay_margin for m in kept) >= 0.999 * timing.period
+
+
+def test_loops_without_theory_are_refused():
+    with pytest.raises(ScenarioError, match=r"set controller\.law = 'pd'"):
+        advise(load("hold-load"))
+
+
+def test_summary_places_the_run_and_compares_frequencies(tmp_path):
+    scenario = load("slow-sampling", ["duration=8"])
+    outcome = run_scenario(scenario, RunRequest("inprocess", 1.0, False, tmp_path / "a.mcap", 10.0, False, None))
+    at = outcome.summary["stability"]
+    assert at["verdict"] == "unstable"
+    assert at["found_frequency"] == pytest.approx(5.0, rel=0.01)
+    assert at["points"]["rest"]["swing_frequency"] == pytest.approx(5.0, rel=0.01)
+    assert (
+        run_scenario(
+            load("hold-load", ["duration=1"]),
+            RunRequest("inprocess", 1.0, False, tmp_path / "b.mcap", 10.0, False, None),
+        ).summary["stability"]
+        is None
+    )
+
+
+ENDURANCE = [
+    pytest.param(interval, gain, share, oscillates, marks=pytest.mark.endurance)
+    for interval, gain in ((0.2, 0.43), (0.3, 0.28), (0.5, 0.165))
+    for share, oscillates in ((0.85, False), (1.15, True))
+]
+
+
+@pytest.mark.parametrize(("interval", "gain", "share", "oscillates"), [(0.1, 0.9, 1.3, True), *ENDURANCE])
+def test_an_edge_found_in_process_holds_through_the_wire(interval, gain, share, oscillates, tmp_path):
+    """Steps of 20 mm as in figure 5.21, but in lockstep, with three processes; gains in V/%."""
+    times = [f"loop.sample_period={interval}", "loop.delay=0.0", f"loop.command_timeout={12 * interval}"]
+    asked = probe(at_rest(load("step", times)), share * per_metre(gain, 0.27, 10.0), 20e-3)
+    if interval == 0.1:
+        asked = asked.model_copy(update={"duration": 4.0})
+    outcome = run_scenario(asked, RunRequest("lockstep", 1.0, False, tmp_path / "a.mcap", 20.0, False, None))
+    assert not outcome.faults
+    from bridge.recording.reader import read
+
+    columns = read(tmp_path / "a.mcap", ("state",)).columns("state")
+    swing = judge_swing(
+        columns["stamp"] / 1e9, columns["position"], asked.reference.model_dump()["at"], 20e-3, exact=False
+    )
+    assert swing.oscillates is oscillates
+
+
+@pytest.mark.parametrize(("derivative", "oscillates"), [("0.0 V s/%", False), ("0.03 V s/%", True)])
+def test_a_derivative_gain_destabilises_a_stable_loop(derivative, oscillates, tmp_path):
+    """hydrotwin run slow-sampling --set controller.gain=0.5 --set controller.derivative=0.03"""
+    scenario = load("slow-sampling", ["controller.gain=0.5", f"controller.derivative={derivative}", "duration=8"])
+    outcome = run_scenario(scenario, RunRequest("inprocess", 1.0, False, tmp_path / "a.mcap", 10.0, False, None))
+    found = outcome.summary["metrics"]["limit_cycle_frequency"]
+    assert found == pytest.approx(5.0 if oscillates else 0.0, abs=0.1)
+    assert advise(scenario)["verdict"] == ("unstable" if oscillates else "stable")
+
+
+def test_map_writes_picture_table_and_a_page_without_addresses(tmp_path):
+    words = ["map", "period", "gain", "--rig", "slow-sampling", "--x", "80:200", "--y", "0.05:2", "--cells", "12"]
+    done = CliRunner().invoke(app, [*words, "--runs", "3", "--workers", "1", "-o", str(tmp_path / "m"), "--json"])
+    assert done.exit_code == 0, done.output
+    assert [path.rpartition(".")[2] for path in json.loads(done.output[done.output.index("[") :])] == [
+        "png",
+        "csv",
+        "html",
+        "csv",
+    ]
+    page = (tmp_path / "m.html").read_text()
+    assert "http" not in page
+    assert "<canvas" in page
+    assert len((tmp_path / "m.csv").read_text().splitlines()) == 1 + 144
+    runs = np.loadtxt(tmp_path / "m-runs.csv", delimiter=",", skiprows=1)
+    assert {0.0, 1.0} == set(runs[:, 2])
