@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from bridge.failure import ScenarioError
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.inline import svg, text
 from bridge.report.maps import draw_maps, draw_timing
@@ -17,7 +18,6 @@ from bridge.report.sections import (
     scenarios,
     timing_table,
 )
-from bridge.scenario import ScenarioError
 
 CSS = """
 :root { --ink: #1c2430; --soft: #5c6675; --line: #d9dde3; --good: #2c7a43; --bad: #b3312c; --blue: #2a6fbb }
