@@ -6,7 +6,7 @@ import queue
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,9 @@ SAVE = "recorder/save"  # asked for, it is a trigger
 class RecorderProcess:
     """Records one run after the other; a new run id starts a new file."""
 
-    def __init__(self, bus: Bus, path: Path, patience: float, stop: Stop, request: Request | None = None) -> None:
+    def __init__(
+        self, bus: Bus, path: Path, patience: float, stop: Callable[[], bool], request: Request | None = None
+    ) -> None:
         self.bus = bus
         self.patience = patience
         self.path = path

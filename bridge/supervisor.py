@@ -115,7 +115,7 @@ class Supervisor:
         plant += ["--run-id", str(derived(seed, self.scenario.rig_name)), "--patience", str(options.patience)]
         plant += ["--await", "recorder", "--await", "controller"]
         fifo = ["--fifo"] if options.fifo else []
-        client = [*common, "--connect", endpoint]
+        client = [*common, "--connect", endpoint, "--patience", str(STARTUP)]
         self.children.append(Child("plant", plant + fifo, folder))
         record = ["--output", str(options.recording), "--rig", self.scenario.rig_name]
         self.children.append(Child("record", [*record, *client], folder))

@@ -1,7 +1,7 @@
 """The whole suite in less time: `python -m tests.suite`.
 
-What only computes runs in two processes side by side; what runs the loop in real time has the machine for itself
-afterwards.
+Most of it runs in two processes side by side. What is judged by the clock is listed in TIMED and has the machine for
+itself afterwards.
 """
 
 import subprocess
@@ -31,7 +31,7 @@ def main() -> int:
 
 
 def _pytest(files: list[str], words: IO[str] | None = None) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "pytest", "-q", *sys.argv[1:], *files]
+    command = [sys.executable, "-m", "pytest", "-q", *files]
     return subprocess.Popen(command, stdout=words, stderr=words)
 
 

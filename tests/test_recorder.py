@@ -215,7 +215,7 @@ def test_a_slow_disk_loses_nothing_and_holds_nobody(tmp_path, monkeypatch):
         started("controller", "step", "--connect", endpoint),
         Bus(Link(None, endpoint, None, 30.0), "rig", "recorder", blocking=False) as bus,
     ):
-        RecorderProcess(bus, path, 20.0, lambda: False, Request()).run()  # type: ignore[arg-type]
+        RecorderProcess(bus, path, 20.0, lambda: False, Request()).run()
         output, _ = first.communicate(timeout=30)
     assert json.loads(output)["tick"] == 3000
     assert json.loads(output)["worst_overrun"] < 0.5

@@ -156,7 +156,9 @@ def test_without_a_screen_the_ways_out_are_named(recorded: Path, monkeypatch: py
         show(recorded, web=False, save=None)
 
 
-def test_page_answers_on_loopback_and_ends_at_ctrl_c(recorded: Path):
+@pytest.mark.parametrize(("ending", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 0), (signal.SIGHUP, 129)])
+def test_page_answers_on_loopback_and_ends_with_its_program(recorded: Path, ending: signal.Signals, code: int):
+    """At Ctrl-C, when the terminal is closed, when it is killed politely."""
     pytest.importorskip("rerun")
     command = [sys.executable, "-m", "bridge", "view", str(recorded), "--web"]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as server:
@@ -167,8 +169,8 @@ def test_page_answers_on_loopback_and_ends_at_ctrl_c(recorded: Path):
             with urllib.request.urlopen(page, timeout=10) as answer:
                 assert answer.status == 200
                 assert b"rerun" in answer.read().lower()
-            server.send_signal(signal.SIGINT)
-            assert server.wait(15) == 0
+            server.send_signal(ending)
+            assert server.wait(15) == code
         finally:
             server.kill()
     with pytest.raises(OSError, match="refused"):

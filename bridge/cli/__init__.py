@@ -12,9 +12,8 @@ def main() -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     from bridge.cli.verbs import app
-    from bridge.failure import RunError
+    from bridge.failure import RunError, ScenarioError
     from bridge.link import LinkError
-    from bridge.scenario import ScenarioError
 
     try:
         app()

@@ -110,8 +110,8 @@ def figure(
     as_json: AS_JSON = False,
 ) -> None:
     """Draw a figure of the source from the twin: NAME.png and NAME.csv."""
+    from bridge.failure import ScenarioError
     from bridge.figures import draw_figure
-    from bridge.scenario import ScenarioError
 
     try:
         paths = draw_figure(name, output)

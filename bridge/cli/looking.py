@@ -66,7 +66,7 @@ def report(
 
 
 def _seconds(text: str) -> float:
-    from bridge.scenario import ScenarioError
+    from bridge.failure import ScenarioError
     from bridge.units import quantity
 
     try:

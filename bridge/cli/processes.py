@@ -75,7 +75,7 @@ def plant(
 
 def refuse_fast_daq(scenario: "Scenario", speed: float) -> None:
     """Real time goes to 5 kHz; faster acquisition is for lockstep and in process."""
-    from bridge.scenario import ScenarioError
+    from bridge.failure import ScenarioError
 
     least = FASTEST_DAQ * speed
     if scenario.loop.daq_period < least * 0.999:

@@ -90,7 +90,7 @@ def nanoseconds(option: str, text: str) -> int:
 
 
 def _quantity(option: str, text: str, unit: str) -> float:
-    from bridge.scenario import ScenarioError
+    from bridge.failure import ScenarioError
     from bridge.units import quantity
 
     try:
@@ -103,7 +103,7 @@ def _quantity(option: str, text: str, unit: str) -> float:
 
 
 def _pair(text: str) -> tuple[str, str]:
-    from bridge.scenario import ScenarioError
+    from bridge.failure import ScenarioError
 
     key, sign, value = text.partition("=")
     if not sign or not key:

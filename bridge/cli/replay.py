@@ -58,11 +58,11 @@ def replay(
     if into is not None:
         _replay_into(file, into.value, (changes, tolerance, alone, listen, output), as_json)
         return
+    from bridge.failure import ScenarioError
     from bridge.link import Link
     from bridge.replay.player import speed_of
     from bridge.replay.republish import Playing
     from bridge.replay.republish import replay as play
-    from bridge.scenario import ScenarioError
 
     try:
         rate = speed_of(speed)

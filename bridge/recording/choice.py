@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Collection, Sequence
 from fnmatch import fnmatchcase
 
-from bridge.scenario import ScenarioError
+from bridge.failure import ScenarioError
 
 
 def choose(

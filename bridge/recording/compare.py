@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bridge.failure import ScenarioError
 from bridge.recording.reader import Recording
 from bridge.recording.signals import COMPARED, Signal, signals_of
-from bridge.scenario import ScenarioError
 from bridge.units import UNITS, quantity
 from controller.sampling import NS
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from bridge.failure import ScenarioError
 from bridge.recording.reader import Recording
 from bridge.recording.tables import Column, table
-from bridge.scenario import ScenarioError
 
 Writer = Callable[[dict[str, list[Column]], Path], list[Path]]
 

@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bridge.failure import ScenarioError
 from bridge.messages import decode
 from bridge.recording.reader import Recording
 from bridge.recording.run_file import SOURCED
 from bridge.recording.tally import Tally
-from bridge.scenario import ScenarioError
 from bridge.summary import verdict
 from controller.sampling import NS
 

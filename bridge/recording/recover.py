@@ -10,8 +10,8 @@ from mcap.records import Attachment, Channel, Chunk, Header, Message, Metadata, 
 from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
+from bridge.failure import ScenarioError
 from bridge.recording.reader import decompressed
-from bridge.scenario import ScenarioError
 
 CHUNK = 1024 * 1024  # bytes
 BROKEN = (McapError, ValueError, KeyError, RuntimeError, zstandard.ZstdError)

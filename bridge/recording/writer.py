@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, cast
 
 from mcap.data_stream import RecordBuilder
 from mcap.records import Metadata
@@ -42,7 +42,8 @@ class RecordingWriter:
         self.pending: Counter[str] = Counter()  # messages per topic since the last flush
         self.span: tuple[int, int] | None = None  # first and last log time
         self.sink = Sink(path, fsync)
-        self._writer = Writer(self.sink, chunk_size=CHUNK, compression=CompressionType.ZSTD)  # type: ignore[arg-type]
+        # the writer writes, flushes and closes its stream, no more, and Sink does these
+        self._writer = Writer(cast("IO[bytes]", self.sink), chunk_size=CHUNK, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="hydrotwin")
         chosen = [topic.name for topic in TOPICS.values() if topics is None or topic.name in topics]
         self._channels = {name: self._register(name) for name in chosen}

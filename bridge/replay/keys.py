@@ -5,8 +5,8 @@ from collections import Counter
 from collections.abc import Iterable
 
 from bridge.bus import Bus
+from bridge.failure import ScenarioError
 from bridge.messages import TOPICS
-from bridge.scenario import ScenarioError
 
 LISTEN = 0.4  # seconds
 

@@ -8,8 +8,8 @@ from concurrent.futures import Future
 from typing import Any, NamedTuple
 
 from bridge.clock import SPIN_NS
+from bridge.failure import ScenarioError
 from bridge.replay.timeline import Timeline
-from bridge.scenario import ScenarioError
 from bridge.units import quantity
 from controller.sampling import NS
 

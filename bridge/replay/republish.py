@@ -11,7 +11,7 @@ import zenoh
 
 from bridge.bus import STAMP, Bus
 from bridge.clock import Stop, prepare
-from bridge.failure import RunError
+from bridge.failure import RunError, ScenarioError
 from bridge.link import Link
 from bridge.recording.choice import choose
 from bridge.recording.reader import Entry, Recording, read
@@ -20,7 +20,6 @@ from bridge.replay.keys import live_publishers, remapped
 from bridge.replay.player import Player
 from bridge.replay.remote import answer_queries
 from bridge.replay.timeline import Timeline
-from bridge.scenario import ScenarioError
 
 
 class Playing(NamedTuple):

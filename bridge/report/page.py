@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from bridge.failure import ScenarioError
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.inline import svg, text
 from bridge.report.maps import draw_maps, draw_timing
@@ -18,7 +19,6 @@ from bridge.report.sections import (
     timing_table,
 )
 from bridge.report.stability import CAPTION, draw_stability, stability_points, words
-from bridge.scenario import ScenarioError
 
 CSS = """
 :root { --ink: #1c2430; --soft: #5c6675; --line: #d9dde3; --good: #2c7a43; --bad: #b3312c; --blue: #2a6fbb }

@@ -11,12 +11,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from bridge.failure import ScenarioError
 from bridge.scenario import references
 from bridge.scenario.model import Scenario
-
-
-class ScenarioError(Exception):
-    """A scenario that cannot be used; its text has one line per mistake."""
 
 
 def names() -> list[str]:

@@ -10,14 +10,13 @@ from typing import Any, NamedTuple
 
 from bridge.bus import Bus
 from bridge.clock import Stop
-from bridge.failure import RunError
+from bridge.failure import RunError, ScenarioError
 from bridge.link import Link
 from bridge.recording.reader import Entry
-from bridge.scenario import ScenarioError
 from bridge.view.batch import inbox, run_of
 from bridge.view.content import APPLICATION
 from bridge.view.drawing import Drawing
-from bridge.view.program import Program, connected, last_in_line, require_rerun, server, window
+from bridge.view.program import Program, connected, require_rerun, server, window
 from bridge.view.screenshot import check_target, screenshot
 
 PERIOD = 0.05  # [s] from batch to batch
@@ -137,14 +136,11 @@ class Live:
 
 
 def _yield_to_all() -> None:
-    """Draw, and Rerun with us, only where nobody else of this session wants the processor.
+    """Draw, and Rerun with us, only where nobody else wants the processor.
 
     Not so Zenoh's threads, which are there already: what they leave on the wire, the plant would wait for.
     """
     os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-    if os.getpgrp() != os.getpid():
-        os.setsid()
-        last_in_line(os.getpid())
 
 
 def _another(entries: list[Entry], run_id: int) -> bool:

@@ -1,6 +1,7 @@
 """Rerun's own program: a window, a server for browsers, or a picture without a screen. On loopback only, and silent."""
 
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -12,8 +13,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
 
+from bridge.failure import ScenarioError
 from bridge.link import free_endpoint
-from bridge.scenario import ScenarioError
 
 START_PATIENCE = 15.0  # [s] for a server to answer
 LOOPBACK = "127.0.0.1"
@@ -89,16 +90,35 @@ def _running(*arguments: str, page: int = 0, quiet: bool = False) -> Iterator[Pr
     environment = {"RUST_LOG": "error", "XDG_RUNTIME_DIR": "/tmp", **os.environ, "CI": "1"}
     command = [path, "--bind", LOOPBACK, "--port", str(data), *MEMORY, *arguments]
     words = subprocess.DEVNULL if quiet else None
-    process = subprocess.Popen(command, env=environment, stdout=words, stderr=words, start_new_session=True)
-    last_in_line(process.pid)
+    with _ended_by_exception():
+        process = subprocess.Popen(command, env=environment, stdout=words, stderr=words, start_new_session=True)
+        _last_in_line(process.pid)
+        try:
+            _await(process, data, "Rerun")
+            yield Program(process, data, page)
+        finally:
+            _end(process)
+
+
+@contextmanager
+def _ended_by_exception() -> Iterator[None]:
+    """A closed terminal or a polite kill ends us as SystemExit: Rerun's session is its own and would outlive us."""
+
+    def leave(number: int, _: object) -> None:
+        sys.exit(128 + number)
+
+    before = {number: signal.getsignal(number) for number in (signal.SIGHUP, signal.SIGTERM)}
+    ours = [number for number, handler in before.items() if handler is signal.SIG_DFL]
+    for number in ours:
+        signal.signal(number, leave)
     try:
-        _await(process, data, "Rerun")
-        yield Program(process, data, page)
+        yield
     finally:
-        _end(process)
+        for number in ours:
+            signal.signal(number, before[number])
 
 
-def last_in_line(pid: int) -> None:
+def _last_in_line(pid: int) -> None:
     """Have the whole session of a process wait for all others: Linux shares processors by session first."""
     with suppress(OSError):  # a system that does not share like that
         Path(f"/proc/{pid}/autogroup").write_text("10")

@@ -3,8 +3,8 @@
 import signal
 from pathlib import Path
 
+from bridge.failure import ScenarioError
 from bridge.recording.reader import Recording, read
-from bridge.scenario import ScenarioError
 from bridge.view.content import APPLICATION, send, write
 from bridge.view.program import Program, connected, require_rerun, server, window
 from bridge.view.screenshot import screenshot
