@@ -15,6 +15,8 @@ from twin.kernel import allocating_kernel, inlined
 
 RELAY, PROPORTIONAL, SMOOTHED = 0, 1, 2
 WIDTH = 28  # of a row: y, then d y/d(y0, s, d) row by row, (4, 6)
+SLOPES = 1e-3  # weight of the error of a derivative against that of a state
+STABLE = 3.0  # step times the rate of a decay that the pair still damps
 STAGES = np.zeros((7, 7))
 STAGES[1, :1] = 1 / 5
 STAGES[2, :2] = 3 / 40, 9 / 40
@@ -76,6 +78,20 @@ def derive(w, out, loop: Loop):
         out[22 + j] = out[3] / (1.0 - y1) * v1 + to4 / gamma * v2 + own4 * v4 + h4 * dh
 
 
+@inlined
+def stiffness(w, loop: Loop):
+    """How fast a pressure falls back to where the flows fit the speed; the pair's own stability bounds the step by it,
+    which the error alone would not as soon as nothing is left to fall back from."""
+    h = loop.gains.s * w[0] + loop.gains.d * w[1]
+    a, b, _, _ = openings(h, loop)
+    slopes = 1e-30
+    if a > 0.0:
+        slopes = a * max(root_slope(1.0 - w[2], loop.laminar), root_slope(w[3], loop.laminar))
+    if b > 0.0:
+        slopes += b * max(root_slope(w[2], loop.laminar), root_slope(1.0 - w[3], loop.laminar))
+    return loop.actuator.gamma * slopes / (loop.actuator.alpha * (1.0 - abs(w[0])))
+
+
 @allocating_kernel
 def step_by(w, size, loop: Loop, stages, trial):
     """One step from w (with its rates in stages[0]) into trial; returns the error of the state in units of it."""
@@ -86,12 +102,18 @@ def step_by(w, size, loop: Loop, stages, trial):
                 total += STAGES[i, j] * stages[j, n]
             trial[n] = w[n] + size * total
         derive(trial, stages[i], loop)
-    worst = 0.0
-    for n in range(4):
+    alpha, worst = loop.actuator.alpha, 0.0
+    for n in range(WIDTH):
         error = 0.0
         for j in range(7):
             error += ERROR[j] * stages[j, n]
-        worst = max(worst, abs(size * error) / (loop.actuator.alpha if n < 2 else 1.0))
+        error = abs(size * error)
+        if n < 4:
+            worst = max(worst, error / (alpha if n < 2 else 1.0))
+        else:
+            row, column = (n - 4) // 6, (n - 4) % 6
+            scale = (alpha if column < 2 else 1.0) / (alpha if row < 2 else 1.0)
+            worst = max(worst, SLOPES * error * scale)
     return worst
 
 
@@ -109,7 +131,7 @@ def follow(y, length, loop: Loop, tolerance, to_switch):
     time, size, below = 0.0, min(1e-3, length), False
     derive(w, stages[0], loop)
     while time < length:
-        size = min(size, length - time)
+        size = min(size, length - time, STABLE / stiffness(w, loop))
         error = step_by(w, size, loop, stages, trial)
         factor = 0.9 * (tolerance / max(error, 1e-30)) ** 0.2
         if not error <= tolerance:

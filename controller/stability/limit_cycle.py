@@ -1,0 +1,211 @@
+"""Periodic orbits of the analogue loop: a boundary value problem with one arc between two switching points.
+
+Source: 5.3.3, Fig. 5.2. Every second arc is seen from the other side (`mirror`), so that all of them have h <= 0 and one
+valve. An orbit of m arcs, starts y_i and lengths T_i, obeys
+
+    phi_(T_i)(y_i) = mirror(y_(i+1)),    h(y_i) = s y1 + d y2 = 0,    i = 0 .. m - 1,    y_m = y_0.
+
+m = 1 is an orbit that is its own mirror image, over half its period; m = 2 any orbit with two switchings.
+Near supply and return the root is laminar below `LAMINAR` of the whole drop, as in a real edge: where a pressure passes
+supply or return its own slope would be infinite, and orbits move by no more than that share.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from controller.stability.actuator import Actuator, Array, Feedback, mirror
+from controller.stability.arc import RELAY, Loop, derivatives, end_rates, follow
+
+LAMINAR = 1e-9  # of the supply; see above
+TOLERANCE = 1e-11  # of an arc's step
+MIRROR = np.array([[-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]], float)
+PARAMETERS = ("s", "d")
+
+
+class Orbit(NamedTuple):
+    """A periodic orbit."""
+
+    loop: Loop
+    starts: Array  # (m, 4), y_i
+    lengths: Array  # (m,), T_i
+
+    @property
+    def period(self) -> float:
+        return float(self.lengths.sum()) * (2.0 if len(self.lengths) % 2 else 1.0)
+
+
+def analogue_loop(kind: int, actuator: Actuator, gains: Feedback) -> Loop:
+    """RELAY or PROPORTIONAL, with the root used here."""
+    return Loop(kind, actuator, gains, 0.0, LAMINAR)
+
+
+def with_gain(loop: Loop, parameter: str, value: float) -> Loop:
+    """The loop with another s or d."""
+    return loop._replace(gains=loop.gains._replace(**{parameter: value}))
+
+
+def pack(orbit: Orbit, parameter: str) -> Array:
+    """X (5 m + 1,): starts, lengths, parameter; x and x' scaled with alpha, as they are small with it."""
+    values = [orbit.starts.ravel(), orbit.lengths, [getattr(orbit.loop.gains, parameter)]]
+    return np.concatenate(values) / _scale(len(orbit.lengths), orbit.loop)
+
+
+def unpack(x: Array, loop: Loop, parameter: str) -> Orbit:
+    """The orbit of an X."""
+    count = (len(x) - 1) // 5
+    values = x * _scale(count, loop)
+    return Orbit(
+        with_gain(loop, parameter, float(values[-1])), values[: 4 * count].reshape(-1, 4), values[4 * count : -1]
+    )
+
+
+def _scale(count: int, loop: Loop) -> Array:
+    alpha = loop.actuator.alpha
+    return np.concatenate([np.tile([alpha, alpha, 1.0, 1.0], count), np.ones(count + 1)])
+
+
+def equations(x: Array, loop: Loop, parameter: str) -> tuple[Array, Array]:
+    """Residual (5 m,) and its derivatives (5 m, 5 m + 1). ArithmeticError where an arc cannot be followed."""
+    orbit = unpack(x, loop, parameter)
+    count, column, (s, d) = len(orbit.lengths), PARAMETERS.index(parameter), orbit.loop.gains
+    residual, jacobian = np.zeros(5 * count), np.zeros((5 * count, 5 * count + 1))
+    for i in range(count):
+        row, rows, following = _arc(orbit, i), slice(4 * i, 4 * i + 4), (i + 1) % count
+        slopes = MIRROR @ derivatives(row)
+        residual[rows] = mirror(row[:4]) - orbit.starts[following]
+        jacobian[rows, 4 * i : 4 * i + 4] += slopes[:, :4]
+        jacobian[rows, 4 * following : 4 * following + 4] -= np.eye(4)
+        jacobian[rows, 4 * count + i] = MIRROR @ end_rates(row[:4], orbit.loop)
+        jacobian[rows, -1] = slopes[:, 4 + column]
+        residual[4 * count + i] = s * orbit.starts[i, 0] + d * orbit.starts[i, 1]
+        jacobian[4 * count + i, [4 * i, 4 * i + 1, -1]] = s, d, orbit.starts[i, column]
+    scale = _scale(count, orbit.loop)
+    rows = np.concatenate([scale[: 4 * count], np.full(count, orbit.loop.actuator.alpha)])
+    return residual / rows, jacobian * scale / rows[:, None]
+
+
+def _arc(orbit: Orbit, i: int) -> Array:
+    if orbit.lengths[i] <= 0.0:
+        raise ArithmeticError(f"length {orbit.lengths[i]} of an arc must be above 0")
+    row, time = follow(orbit.starts[i], orbit.lengths[i], orbit.loop, TOLERANCE, False)
+    if time < 0.0:
+        raise ArithmeticError("the arc leaves the stroke")
+    return row
+
+
+def correct(x: Array, loop: Loop, parameter: str, extra: Callable[[Array], tuple[float, Array]]) -> tuple[Array, int]:
+    """Newton on the equations and one further condition (its value and gradient); X and the iterations taken.
+
+    ArithmeticError where it does not converge.
+    """
+    for turn in range(12):
+        residual, jacobian = equations(x, loop, parameter)
+        value, gradient = extra(x)
+        change = np.linalg.solve(np.vstack([jacobian, gradient]), np.append(residual, value))
+        x = x - change
+        if np.abs(change).max() < 1e-9:
+            return x, turn + 1
+        if not np.abs(change).max() < 10.0:
+            break
+    raise ArithmeticError("Newton's method does not converge")
+
+
+def hold(x: Array, place: int) -> Callable[[Array], tuple[float, Array]]:
+    """The further condition that one unknown keeps its value."""
+    value, gradient = x[place], np.eye(len(x))[place]
+    return lambda new: (new[place] - value, gradient)
+
+
+def solve(guess: Orbit, parameter: str = "d") -> Orbit:
+    """The orbit near a guess, at its gains. ArithmeticError where Newton's method does not converge."""
+    start = pack(guess, parameter)
+    return unpack(correct(start, guess.loop, parameter, hold(start, -1))[0], guess.loop, parameter)
+
+
+def as_two_arcs(orbit: Orbit) -> Orbit:
+    """An orbit that is its own mirror image, over its whole period: neighbours need not be symmetric."""
+    return Orbit(orbit.loop, np.repeat(orbit.starts, 2, axis=0), np.repeat(orbit.lengths, 2))
+
+
+def monodromy_of(orbit: Orbit) -> Array:
+    """Derivative (4, 4) of the motion over all arcs, the first start as seen through m mirrors.
+
+    At the switch of a relay the field jumps from f to f': saltation 1 + (f' - f) n^T/(n^T f), n = (s, d, 0, 0); the
+    field of a proportional valve is continuous there.
+    """
+    flow, count = np.eye(4), len(orbit.lengths)
+    normal = np.array([*orbit.loop.gains, 0.0, 0.0])
+    for i in range(count):
+        row = _arc(orbit, i)
+        flow = derivatives(row)[:, :4] @ flow
+        if orbit.loop.kind == RELAY:
+            before = end_rates(row[:4], orbit.loop)
+            after = MIRROR @ end_rates(orbit.starts[(i + 1) % count], orbit.loop)
+            flow += np.outer(after - before, normal @ flow) / (normal @ before)
+        flow = MIRROR @ flow
+    return flow
+
+
+def multipliers(orbit: Orbit) -> Array:
+    """Floquet multipliers (4,) over the period, the largest first; one of them is 1, along the orbit."""
+    found = np.linalg.eigvals(monodromy_of(orbit))
+    return np.array(sorted(found**2 if len(orbit.lengths) % 2 else found, key=abs, reverse=True))
+
+
+def others(orbit: Orbit) -> Array:
+    """The three multipliers that are left without the one along the orbit."""
+    found = list(multipliers(orbit))
+    found.pop(int(np.argmin([abs(mu - 1.0) for mu in found])))
+    return np.array(found)
+
+
+def stable(orbit: Orbit) -> bool:
+    """Are all multipliers but the one along the orbit inside the unit circle?"""
+    return float(np.abs(others(orbit)).max()) < 1.0
+
+
+def profile(orbit: Orbit, count: int = 64) -> tuple[Array, Array]:
+    """Times (n,) and states (n, 4) over a whole period, `count` intervals an arc; both ends of every arc are given."""
+    laps = 2 if len(orbit.lengths) % 2 else 1
+    times, states, time = [], [], 0.0
+    for i in range(laps * len(orbit.lengths)):
+        t, y = _samples(orbit, i % len(orbit.lengths), count)
+        times.append(time + t)
+        states.append(mirror(y) if i % 2 else y)
+        time += t[-1]
+    return np.concatenate(times), np.concatenate(states)
+
+
+def _samples(orbit: Orbit, i: int, count: int) -> tuple[Array, Array]:
+    """Times (count + 1,) and states (count + 1, 4) along an arc, seen with h <= 0."""
+    states = [orbit.starts[i]]
+    for _ in range(count):
+        states.append(follow(states[-1], orbit.lengths[i] / count, orbit.loop, TOLERANCE, False)[0][:4])
+    return np.linspace(0.0, orbit.lengths[i], count + 1), np.array(states)
+
+
+def peaks(orbit: Orbit, count: int = 64) -> Array:
+    """Greatest y1 .. y4 (4,) over the period: ends of the arcs, or where the cubic through states and rates turns."""
+    tops = []
+    for i in range(len(orbit.lengths)):
+        times, states = _samples(orbit, i, count)
+        slopes = np.array([end_rates(y, orbit.loop) for y in states])
+        seen = [states]
+        for column in range(4):
+            curve = CubicHermiteSpline(times, states[:, column], slopes[:, column])
+            turns = curve.derivative().roots(extrapolate=False)
+            extra = np.tile(states[0], (len(turns), 1))
+            extra[:, column] = curve(turns)
+            seen.append(extra)
+        both = np.vstack(seen)
+        tops.append((both.max(axis=0), mirror(both).max(axis=0)))
+    return _over_period(tops)
+
+
+def _over_period(tops: list[tuple[Array, Array]]) -> Array:
+    if len(tops) % 2:
+        return np.max(tops, axis=(0, 1))
+    return np.max([top[i % 2] for i, top in enumerate(tops)], axis=0)
