@@ -13,7 +13,7 @@ import numpy as np
 from controller.stability.actuator import Actuator, Array, Feedback, rates, root, root_slope
 from twin.kernel import allocating_kernel, inlined
 
-RELAY, PROPORTIONAL, SMOOTHED = 0, 1, 2
+RELAY, PROPORTIONAL, SMOOTHED, CROSSED = 0, 1, 2, 3
 WIDTH = 28  # of a row: y, then d y/d(y0, s, d) row by row, (4, 6)
 SLOPES = 1e-3  # weight of the error of a derivative against that of a state
 STABLE = 3.0  # step times the rate of a decay that the pair still damps
@@ -46,6 +46,8 @@ def openings(h: float, loop: Loop) -> tuple[float, float, float, float]:
         share = 0.5 * (1.0 - math.tanh(h / loop.epsilon))
         slope = -2.0 * share * (1.0 - share) / loop.epsilon
         return share, 1.0 - share, slope, -slope
+    if loop.kind == 3:
+        return (0.0, h, 0.0, 1.0) if h <= 0.0 else (-h, 0.0, -1.0, 0.0)
     if abs(h) >= 1.0:
         return max(-math.copysign(1.0, h), 0.0), max(math.copysign(1.0, h), 0.0), 0.0, 0.0
     return (-h, 0.0, -1.0, 0.0) if h <= 0.0 else (0.0, h, 0.0, 1.0)
@@ -63,10 +65,10 @@ def derive(w, out, loop: Loop):
     h3 = to3 * (a_h * root(1.0 - y3, loop.laminar) - b_h * root(y3, loop.laminar))
     h4 = to4 * (b_h * root(1.0 - y4, loop.laminar) - a_h * root(y4, loop.laminar))
     own3 = own4 = 0.0
-    if a > 0.0:
+    if a != 0.0:
         own3 -= to3 * a * root_slope(1.0 - y3, loop.laminar)
         own4 -= to4 * a * root_slope(y4, loop.laminar)
-    if b > 0.0:
+    if b != 0.0:
         own3 -= to3 * b * root_slope(y3, loop.laminar)
         own4 -= to4 * b * root_slope(1.0 - y4, loop.laminar)
     for j in range(6):
@@ -85,10 +87,10 @@ def stiffness(w, loop: Loop):
     h = loop.gains.s * w[0] + loop.gains.d * w[1]
     a, b, _, _ = openings(h, loop)
     slopes = 1e-30
-    if a > 0.0:
-        slopes = a * max(root_slope(1.0 - w[2], loop.laminar), root_slope(w[3], loop.laminar))
-    if b > 0.0:
-        slopes += b * max(root_slope(w[2], loop.laminar), root_slope(1.0 - w[3], loop.laminar))
+    if a != 0.0:
+        slopes = abs(a) * max(root_slope(1.0 - w[2], loop.laminar), root_slope(w[3], loop.laminar))
+    if b != 0.0:
+        slopes += abs(b) * max(root_slope(w[2], loop.laminar), root_slope(1.0 - w[3], loop.laminar))
     return loop.actuator.gamma * slopes / (loop.actuator.alpha * (1.0 - abs(w[0])))
 
 

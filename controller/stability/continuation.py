@@ -3,43 +3,45 @@
 The tangent t of the branch is the null vector of the equations; the next point lies where t . (X - X_0) = step.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
-from controller.stability.actuator import Array, Feedback
-from controller.stability.arc import PROPORTIONAL, Loop
-from controller.stability.limit_cycle import Orbit, correct, equations, pack, peaks, stable, unpack
+from controller.stability.actuator import Array
+from controller.stability.arc import Loop
+from controller.stability.floquet import attracts, is_one_sided, other_multipliers, peaks
+from controller.stability.limit_cycle import Orbit, correct, equations, hold, pack, unpack
 
 LEAST_STEP = 1e-7
+STRAIGHT = 0.9  # least cosine between the tangents of neighbours
 
 
-class Range(NamedTuple):
+class Limits(NamedTuple):
     """How far a branch is followed."""
 
     least: float  # of the parameter
     most: float
-    shortest: float  # half-period
+    longest: float  # period
     step: float  # greatest, in scaled arclength
     points: int  # at most
 
 
 class Branch(NamedTuple):
-    """Orbits along a branch, and where its parameter turns."""
+    """Orbits along a branch, and those where its parameter turns."""
 
-    parameter: str
+    parameter: str  # "s" | "d"
     orbits: list[Orbit]
     folds: list[Orbit]
 
     @property
     def values(self) -> Array:
+        """The parameter (n,)."""
         return np.array([getattr(orbit.loop.gains, self.parameter) for orbit in self.orbits])
 
     @property
-    def half_periods(self) -> Array:
-        return np.array([orbit.half_period for orbit in self.orbits])
+    def periods(self) -> Array:
+        return np.array([orbit.period for orbit in self.orbits])
 
     @property
     def peaks(self) -> Array:
@@ -47,8 +49,13 @@ class Branch(NamedTuple):
         return np.array([peaks(orbit) for orbit in self.orbits])
 
     @property
-    def stable(self) -> Array:
-        return np.array([stable(orbit) for orbit in self.orbits])
+    def multipliers(self) -> Array:
+        """Those beside the one along the orbit, the largest first, (n, 3)."""
+        return np.array([other_multipliers(orbit) for orbit in self.orbits])
+
+    @property
+    def attracts(self) -> Array:
+        return np.array([attracts(orbit) for orbit in self.orbits])
 
 
 def tangent(x: Array, loop: Loop, parameter: str, along: Array) -> Array:
@@ -61,8 +68,12 @@ def _advance(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> tup
     return correct(x + step * t, loop, parameter, lambda new: (t @ (new - x) - step, t))
 
 
-def follow_branch(orbit: Orbit, parameter: str, direction: float, limits: Range) -> Branch:
-    """The branch from an orbit on, first towards greater (direction 1.0) or smaller (-1.0) values of s or d."""
+def follow_branch(orbit: Orbit, parameter: str, direction: float, limits: Limits) -> Branch:
+    """The branch from an orbit on, first towards greater (direction 1.0) or smaller (-1.0) values of s or d.
+
+    It ends behind the limits (the last orbit lies at `least` or `most` itself), before an orbit that switches more
+    often than its equations know, or where Newton's method finds no neighbour.
+    """
     loop, x = orbit.loop, pack(orbit, parameter)
     t = tangent(x, loop, parameter, direction * np.eye(len(x))[-1])
     orbits, folds, step = [orbit], [], limits.step / 8.0
@@ -73,17 +84,26 @@ def follow_branch(orbit: Orbit, parameter: str, direction: float, limits: Range)
         except (ArithmeticError, np.linalg.LinAlgError):
             step /= 2.0
             continue
-        if t @ turned < 0.9:
+        if t @ turned < STRAIGHT:
             step /= 2.0
             continue
         if t[-1] * turned[-1] < 0.0:
             folds.append(_fold(x, t, step, loop, parameter))
-        orbits.append(unpack(new, loop, parameter))
-        if not (limits.least <= new[-1] <= limits.most and new[-2] >= limits.shortest):
+        if not limits.least <= new[-1] <= limits.most:
+            new = _at(new, float(np.clip(new[-1], limits.least, limits.most)), loop, parameter)
+            return Branch(parameter, [*orbits, unpack(new, loop, parameter)], folds)
+        found = unpack(new, loop, parameter)
+        if found.period > limits.longest or not is_one_sided(found):
             break
+        orbits.append(found)
         x, t = new, turned
         step = min(step * (1.5 if turns <= 4 else 0.7), limits.step)
     return Branch(parameter, orbits, folds)
+
+
+def _at(x: Array, value: float, loop: Loop, parameter: str) -> Array:
+    start = np.append(x[:-1], value)
+    return correct(start, loop, parameter, hold(start, -1))[0]
 
 
 def _fold(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> Orbit:
@@ -94,24 +114,3 @@ def _fold(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> Orbit:
 
     length = float(brentq(slope, 0.0, step, xtol=1e-10))  # pyright: ignore[reportArgumentType]
     return unpack(_advance(x, t, length, loop, parameter)[0], loop, parameter)
-
-
-def born(loop: Loop, amplitude: float) -> Orbit:
-    """The small orbit of a proportional loop near its critical s, with y2 = -amplitude at the switch.
-
-    At the edge lam^3 + k lam^2 + (2 + sqrt2 gamma d) lam + sqrt2 gamma s has the roots +-i omega. ArithmeticError
-    where the amplitude is too great for the linear orbit to be a guess.
-    """
-    if loop.kind != PROPORTIONAL or loop.actuator.k <= 0.0:
-        raise ValueError(f"an orbit is born so only in a proportional loop with k > 0, not with k {loop.actuator.k}")
-    (alpha, gamma, k), d = loop.actuator, loop.gains.d
-    edge, omega = k * (d + math.sqrt(2.0) / gamma), math.sqrt(2.0 + math.sqrt(2.0) * gamma * d)
-    y1, y2 = amplitude * d / edge, -amplitude
-    difference = (k * y2 - omega**2 * y1) / alpha  # y2' = -omega^2 y1 on the linear orbit
-    node = np.array([y1, y2, 0.5 + 0.5 * difference, 0.5 - 0.5 * difference])
-    start = pack(Orbit(loop._replace(gains=Feedback(edge, d)), node[None, :], math.pi / omega), "s")
-    pick = np.eye(len(start))[1]
-    x, _ = correct(start, loop, "s", lambda x: (x[1] - start[1], pick))
-    return unpack(x, loop, "s")
-
-

@@ -14,10 +14,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from controller.stability.actuator import Actuator, Array, Feedback, mirror
-from controller.stability.arc import RELAY, Loop, derivatives, end_rates, follow
+from controller.stability.arc import Loop, derivatives, end_rates, follow
 
 LAMINAR = 1e-9  # of the supply; see above
 TOLERANCE = 1e-11  # of an arc's step
@@ -33,12 +32,17 @@ class Orbit(NamedTuple):
     lengths: Array  # (m,), T_i
 
     @property
+    def laps(self) -> int:
+        """Times the arcs are run through in a period: an odd number of mirrors closes after two."""
+        return 2 if len(self.lengths) % 2 else 1
+
+    @property
     def period(self) -> float:
-        return float(self.lengths.sum()) * (2.0 if len(self.lengths) % 2 else 1.0)
+        return float(self.lengths.sum()) * self.laps
 
 
 def analogue_loop(kind: int, actuator: Actuator, gains: Feedback) -> Loop:
-    """RELAY or PROPORTIONAL, with the root used here."""
+    """A loop of a kind of `arc`, with the root used here; it has no smoothing."""
     return Loop(kind, actuator, gains, 0.0, LAMINAR)
 
 
@@ -73,7 +77,7 @@ def equations(x: Array, loop: Loop, parameter: str) -> tuple[Array, Array]:
     count, column, (s, d) = len(orbit.lengths), PARAMETERS.index(parameter), orbit.loop.gains
     residual, jacobian = np.zeros(5 * count), np.zeros((5 * count, 5 * count + 1))
     for i in range(count):
-        row, rows, following = _arc(orbit, i), slice(4 * i, 4 * i + 4), (i + 1) % count
+        row, rows, following = arc(orbit, i), slice(4 * i, 4 * i + 4), (i + 1) % count
         slopes = MIRROR @ derivatives(row)
         residual[rows] = mirror(row[:4]) - orbit.starts[following]
         jacobian[rows, 4 * i : 4 * i + 4] += slopes[:, :4]
@@ -87,7 +91,7 @@ def equations(x: Array, loop: Loop, parameter: str) -> tuple[Array, Array]:
     return residual / rows, jacobian * scale / rows[:, None]
 
 
-def _arc(orbit: Orbit, i: int) -> Array:
+def arc(orbit: Orbit, i: int) -> Array:
     if orbit.lengths[i] <= 0.0:
         raise ArithmeticError(f"length {orbit.lengths[i]} of an arc must be above 0")
     row, time = follow(orbit.starts[i], orbit.lengths[i], orbit.loop, TOLERANCE, False)
@@ -126,86 +130,5 @@ def solve(guess: Orbit, parameter: str = "d") -> Orbit:
 
 
 def as_two_arcs(orbit: Orbit) -> Orbit:
-    """An orbit that is its own mirror image, over its whole period: neighbours need not be symmetric."""
+    """An orbit that is its own mirror image, over its whole period: its neighbours need not be symmetric."""
     return Orbit(orbit.loop, np.repeat(orbit.starts, 2, axis=0), np.repeat(orbit.lengths, 2))
-
-
-def monodromy_of(orbit: Orbit) -> Array:
-    """Derivative (4, 4) of the motion over all arcs, the first start as seen through m mirrors.
-
-    At the switch of a relay the field jumps from f to f': saltation 1 + (f' - f) n^T/(n^T f), n = (s, d, 0, 0); the
-    field of a proportional valve is continuous there.
-    """
-    flow, count = np.eye(4), len(orbit.lengths)
-    normal = np.array([*orbit.loop.gains, 0.0, 0.0])
-    for i in range(count):
-        row = _arc(orbit, i)
-        flow = derivatives(row)[:, :4] @ flow
-        if orbit.loop.kind == RELAY:
-            before = end_rates(row[:4], orbit.loop)
-            after = MIRROR @ end_rates(orbit.starts[(i + 1) % count], orbit.loop)
-            flow += np.outer(after - before, normal @ flow) / (normal @ before)
-        flow = MIRROR @ flow
-    return flow
-
-
-def multipliers(orbit: Orbit) -> Array:
-    """Floquet multipliers (4,) over the period, the largest first; one of them is 1, along the orbit."""
-    found = np.linalg.eigvals(monodromy_of(orbit))
-    return np.array(sorted(found**2 if len(orbit.lengths) % 2 else found, key=abs, reverse=True))
-
-
-def others(orbit: Orbit) -> Array:
-    """The three multipliers that are left without the one along the orbit."""
-    found = list(multipliers(orbit))
-    found.pop(int(np.argmin([abs(mu - 1.0) for mu in found])))
-    return np.array(found)
-
-
-def stable(orbit: Orbit) -> bool:
-    """Are all multipliers but the one along the orbit inside the unit circle?"""
-    return float(np.abs(others(orbit)).max()) < 1.0
-
-
-def profile(orbit: Orbit, count: int = 64) -> tuple[Array, Array]:
-    """Times (n,) and states (n, 4) over a whole period, `count` intervals an arc; both ends of every arc are given."""
-    laps = 2 if len(orbit.lengths) % 2 else 1
-    times, states, time = [], [], 0.0
-    for i in range(laps * len(orbit.lengths)):
-        t, y = _samples(orbit, i % len(orbit.lengths), count)
-        times.append(time + t)
-        states.append(mirror(y) if i % 2 else y)
-        time += t[-1]
-    return np.concatenate(times), np.concatenate(states)
-
-
-def _samples(orbit: Orbit, i: int, count: int) -> tuple[Array, Array]:
-    """Times (count + 1,) and states (count + 1, 4) along an arc, seen with h <= 0."""
-    states = [orbit.starts[i]]
-    for _ in range(count):
-        states.append(follow(states[-1], orbit.lengths[i] / count, orbit.loop, TOLERANCE, False)[0][:4])
-    return np.linspace(0.0, orbit.lengths[i], count + 1), np.array(states)
-
-
-def peaks(orbit: Orbit, count: int = 64) -> Array:
-    """Greatest y1 .. y4 (4,) over the period: ends of the arcs, or where the cubic through states and rates turns."""
-    tops = []
-    for i in range(len(orbit.lengths)):
-        times, states = _samples(orbit, i, count)
-        slopes = np.array([end_rates(y, orbit.loop) for y in states])
-        seen = [states]
-        for column in range(4):
-            curve = CubicHermiteSpline(times, states[:, column], slopes[:, column])
-            turns = curve.derivative().roots(extrapolate=False)
-            extra = np.tile(states[0], (len(turns), 1))
-            extra[:, column] = curve(turns)
-            seen.append(extra)
-        both = np.vstack(seen)
-        tops.append((both.max(axis=0), mirror(both).max(axis=0)))
-    return _over_period(tops)
-
-
-def _over_period(tops: list[tuple[Array, Array]]) -> Array:
-    if len(tops) % 2:
-        return np.max(tops, axis=(0, 1))
-    return np.max([top[i % 2] for i, top in enumerate(tops)], axis=0)
