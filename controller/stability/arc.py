@@ -1,8 +1,9 @@
 """An arc of the analogue loop between two switching points, with its derivatives by start, s and d.
 
 Dormand and Prince's pair 5(4), steps chosen by the error of the state; the variational equations go along, so that
-derivatives are those of the flow. On an arc h <= 0: the relay holds u = 1, the proportional valve u = min(-h, 1),
-the smoothed relay both edges, (5.20). The pure root near no drop makes steps short, not wrong.
+derivatives are those of the flow; their errors choose the step too. An arc belongs to the side h <= 0: the relay holds
+u = 1, the proportional valve u = min(-h, 1), the smoothed relay both edges, (5.20). CROSSED is no valve: the proportional
+loop with the edges of the other side, q1 = u G(y3), q2 = -u G(1 - y4) for u > 0; see `birth`.
 """
 
 import math
@@ -30,7 +31,7 @@ ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 /
 class Loop(NamedTuple):
     """An analogue loop."""
 
-    kind: int  # RELAY | PROPORTIONAL | SMOOTHED
+    kind: int  # RELAY | PROPORTIONAL | SMOOTHED | CROSSED
     actuator: Actuator
     gains: Feedback
     epsilon: float  # of tanh(h/epsilon), SMOOTHED only
@@ -47,10 +48,8 @@ def openings(h: float, loop: Loop) -> tuple[float, float, float, float]:
         slope = -2.0 * share * (1.0 - share) / loop.epsilon
         return share, 1.0 - share, slope, -slope
     if loop.kind == 3:
-        return (0.0, h, 0.0, 1.0) if h <= 0.0 else (-h, 0.0, -1.0, 0.0)
-    if abs(h) >= 1.0:
-        return max(-math.copysign(1.0, h), 0.0), max(math.copysign(1.0, h), 0.0), 0.0, 0.0
-    return (-h, 0.0, -1.0, 0.0) if h <= 0.0 else (0.0, h, 0.0, 1.0)
+        return 0.0, h, 0.0, 1.0
+    return (-h, 0.0, -1.0, 0.0) if h > -1.0 else (1.0, 0.0, 0.0, 0.0)
 
 
 @inlined
