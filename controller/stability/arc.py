@@ -2,8 +2,8 @@
 
 Dormand and Prince's pair 5(4), steps chosen by the error of the state; the variational equations go along, so that
 derivatives are those of the flow; their errors choose the step too. An arc belongs to the side h <= 0: the relay holds
-u = 1, the proportional valve u = min(-h, 1), the smoothed relay both edges, (5.20). CROSSED is no valve: the proportional
-loop with the edges of the other side, q1 = u G(y3), q2 = -u G(1 - y4) for u > 0; see `birth`.
+u = 1, the proportional valve u = min(-h, 1), the smoothed relay both edges, (5.20). CROSSED is no valve: the
+proportional loop with the edges of the other side, q1 = u G(y3), q2 = -u G(1 - y4) for u > 0; see `birth`.
 """
 
 import math
@@ -17,6 +17,7 @@ from twin.kernel import allocating_kernel, inlined
 RELAY, PROPORTIONAL, SMOOTHED, CROSSED = 0, 1, 2, 3
 WIDTH = 28  # of a row: y, then d y/d(y0, s, d) row by row, (4, 6)
 SLOPES = 1e-3  # weight of the error of a derivative against that of a state
+SHARPEST = 1e-12  # drop below which the pure root is not followed in every detail
 STABLE = 3.0  # step times the rate of a decay that the pair still damps
 STAGES = np.zeros((7, 7))
 STAGES[1, :1] = 1 / 5
@@ -85,11 +86,11 @@ def stiffness(w, loop: Loop):
     which the error alone would not as soon as nothing is left to fall back from."""
     h = loop.gains.s * w[0] + loop.gains.d * w[1]
     a, b, _, _ = openings(h, loop)
-    slopes = 1e-30
+    slopes, laminar = 1e-30, max(loop.laminar, SHARPEST)
     if a != 0.0:
-        slopes = abs(a) * max(root_slope(1.0 - w[2], loop.laminar), root_slope(w[3], loop.laminar))
+        slopes = abs(a) * max(root_slope(1.0 - w[2], laminar), root_slope(w[3], laminar))
     if b != 0.0:
-        slopes += abs(b) * max(root_slope(w[2], loop.laminar), root_slope(1.0 - w[3], loop.laminar))
+        slopes += abs(b) * max(root_slope(w[2], laminar), root_slope(1.0 - w[3], laminar))
     return loop.actuator.gamma * slopes / (loop.actuator.alpha * (1.0 - abs(w[0])))
 
 

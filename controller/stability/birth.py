@@ -7,12 +7,15 @@ The proportional loop has a term of second order that a smooth loop cannot have.
 
     a' = -2 z2 + sqrt2 gamma (u - |u| a/(2 alpha)) + ...,    a = alpha (y3 - y4):
 
-an opening of either sign leaks oil past the piston. To first order in the amplitude harmonic balance is exact: with z1
-= Re e^(i omega t) and p, q the complex amplitudes of a and u, |u| a has the part c = |q| (2/pi p + 2/(3 pi) p* q^2/|q|^2),
-p* the conjugate, and s must rise with the amplitude by at least (4/(3 pi)) |q| (omega^2 + k^2)/(2 alpha): the loop with
-k > 0 is born soft, to stable orbits above s_crit, whatever its parameters. The source found an unstable orbit below. That is
-what a boundary value problem finds whose arcs keep their branch of (5.8) when the amplitude passes through 0 and u
-changes its sign: `arc.CROSSED`, where the leak has the other sign.
+an opening of either sign lets the pressures even out, as a leak would. Harmonic balance is exact to first order in the
+amplitude: with z1 = Re e^(i omega t), and p, q the complex amplitudes of a and u, the part of |u| a at omega is
+
+    c = |q| (2/pi p + 2/(3 pi) p* q^2/|q|^2),    p* the conjugate,
+
+and s rises with the amplitude by at least 4/(3 pi) |q| (omega^2 + k^2)/(2 alpha) > 0. So every loop with k > 0 is born
+soft, with stable orbits above s_crit. The source found an unstable one below. That is what a boundary value problem
+finds whose arcs keep their branch of (5.8) when the amplitude passes through 0 and u changes its sign: `arc.CROSSED`,
+where the leak has the other sign.
 """
 
 import math
@@ -29,7 +32,7 @@ SQRT2 = math.sqrt(2.0)
 
 
 def linear_relay_orbit(half_period: float, s: float, actuator: Actuator) -> tuple[Array, float]:
-    """(y1, y2, alpha (y3 - y4)) at the switch to u = 1, and the d at which the linear relay loop has this half-period."""
+    """(y1, y2, alpha (y3 - y4)) at the switch to u = 1, and the d at which this is the linear loop's half-period."""
     alpha, gamma, k = actuator
     matrix = np.zeros((4, 4))
     matrix[:3] = [[0, 1, 0, 0], [0, -k, 1, 0], [0, -2, -gamma / (SQRT2 * alpha), SQRT2 * gamma]]
@@ -42,7 +45,9 @@ def relay_birth(actuator: Actuator, s: float, half_period: float) -> Orbit:
     """The relay's orbit of a short half-period. ArithmeticError where the linear orbit is no guess for it."""
     z, d = linear_relay_orbit(half_period, s, actuator)
     guess = Orbit(
-        analogue_loop(RELAY, actuator, Feedback(s, d)), _start(z[0], z[1], z[2] / actuator.alpha), np.array([half_period])
+        analogue_loop(RELAY, actuator, Feedback(s, d)),
+        _start(z[0], z[1], z[2] / actuator.alpha),
+        np.array([half_period]),
     )
     start = pack(guess, "d")
     return unpack(correct(start, guess.loop, "d", hold(start, -2))[0], guess.loop, "d")

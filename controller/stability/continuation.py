@@ -65,15 +65,21 @@ def tangent(x: Array, loop: Loop, parameter: str, along: Array) -> Array:
 
 
 def _advance(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> tuple[Array, int]:
-    return correct(x + step * t, loop, parameter, lambda new: (t @ (new - x) - step, t))
+    return correct(x + step * t, loop, parameter, lambda new: (float(t @ (new - x)) - step, t))
 
 
 def follow_branch(orbit: Orbit, parameter: str, direction: float, limits: Limits) -> Branch:
     """The branch from an orbit on, first towards greater (direction 1.0) or smaller (-1.0) values of s or d.
 
     It ends behind the limits (the last orbit lies at `least` or `most` itself), before an orbit that switches more
-    often than its equations know, or where Newton's method finds no neighbour.
+    often than its equations know, or where Newton's method finds no neighbour. ValueError: it begins outside them.
     """
+    value = getattr(orbit.loop.gains, parameter)
+    if not (limits.least <= value <= limits.most and orbit.period <= limits.longest):
+        raise ValueError(
+            f"{parameter} {value}, period {orbit.period} of the first orbit must lie within {limits.least} .. "
+            f"{limits.most} and {limits.longest}"
+        )
     loop, x = orbit.loop, pack(orbit, parameter)
     t = tangent(x, loop, parameter, direction * np.eye(len(x))[-1])
     orbits, folds, step = [orbit], [], limits.step / 8.0

@@ -1,7 +1,7 @@
 """Periodic orbits of the analogue loop: a boundary value problem with one arc between two switching points.
 
-Source: 5.3.3, Fig. 5.2. Every second arc is seen from the other side (`mirror`), so that all of them have h <= 0 and one
-valve. An orbit of m arcs, starts y_i and lengths T_i, obeys
+Source: 5.3.3, Fig. 5.2. Every second arc is seen from the other side (`mirror`), so that all of them have h <= 0 and
+the same valve edges. An orbit of m arcs, starts y_i and lengths T_i, obeys
 
     phi_(T_i)(y_i) = mirror(y_(i+1)),    h(y_i) = s y1 + d y2 = 0,    i = 0 .. m - 1,    y_m = y_0.
 
@@ -21,6 +21,7 @@ from controller.stability.arc import Loop, derivatives, end_rates, follow
 LAMINAR = 1e-9  # of the supply; see above
 TOLERANCE = 1e-11  # of an arc's step
 MIRROR = np.array([[-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]], float)
+FARTHEST = 1.0  # change of a scaled unknown beyond which Newton's method has lost the orbit
 PARAMETERS = ("s", "d")
 
 
@@ -112,7 +113,7 @@ def correct(x: Array, loop: Loop, parameter: str, extra: Callable[[Array], tuple
         x = x - change
         if np.abs(change).max() < 1e-9:
             return x, turn + 1
-        if not np.abs(change).max() < 10.0:
+        if not np.abs(change).max() < FARTHEST:
             break
     raise ArithmeticError("Newton's method does not converge")
 
