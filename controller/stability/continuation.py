@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from controller.stability.actuator import Array
 from controller.stability.arc import Loop
-from controller.stability.floquet import attracts, is_one_sided, other_multipliers, peaks
+from controller.stability.floquet import is_one_sided, other_multipliers, peaks
 from controller.stability.limit_cycle import Orbit, correct, equations, hold, pack, unpack
 
 LEAST_STEP = 1e-7
@@ -55,7 +55,7 @@ class Branch(NamedTuple):
 
     @property
     def attracts(self) -> Array:
-        return np.array([attracts(orbit) for orbit in self.orbits])
+        return np.abs(self.multipliers).max(axis=1) < 1.0
 
 
 def tangent(x: Array, loop: Loop, parameter: str, along: Array) -> Array:

@@ -63,7 +63,7 @@ def _along(y: Array, time: float, loop: Loop) -> Array:
 def is_one_sided(orbit: Orbit) -> bool:
     """Does h stay below 0 within every arc? If not, the orbit has switchings that its equations do not know of."""
     s, d = orbit.loop.gains
-    return all((samples(orbit, i)[1][1:-1, :2] @ (s, d) < 0.0).all() for i in range(len(orbit.lengths)))
+    return all((samples(orbit, i, INTERVALS // 4)[1][1:-1, :2] @ (s, d) < 0.0).all() for i in range(len(orbit.lengths)))
 
 
 def profile(orbit: Orbit, count: int = INTERVALS) -> tuple[Array, Array]:
