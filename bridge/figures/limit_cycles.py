@@ -37,7 +37,7 @@ def relay_courses() -> list[Course]:
     branches = [follow_branch(relay_birth(plant, S, start), "d", -1.0, limits) for plant in (PLANT, FALLING)]
     return [
         Course("friction of the source, k 0.5", branches[0], BLUE, 1.8),
-        Course("friction falling with speed, k -0.2", branches[1], ORANGE, 1.3),
+        Course("friction falling with speed,\nk -0.2", branches[1], ORANGE, 1.3),
     ]
 
 
@@ -47,7 +47,7 @@ def proportional_courses() -> list[Course]:
     down = follow_branch(proportional_birth(PLANT, D, 1e-6, CROSSED), "s", -1.0, Limits(1.0, 2.0, 10.0, 0.03, 300))
     return [
         Course("the loop", up, BLUE, 1.8),
-        Course("no orbit of the loop: arcs with the valve edges of the other sign of u", down, GREY, 1.3),
+        Course("no orbit of the loop: arcs with\nthe edges of the other sign of u", down, GREY, 1.3),
     ]
 
 
@@ -78,7 +78,7 @@ def draw_relay() -> tuple[Columns, Sheet]:
     _draw(panels, columns, courses, "d", "d_H", edges[0])
     fold = courses[1].branch.folds[0]
     panels[0].plot(fold.loop.gains.d, fold.period / 2.0, "o", color=ORANGE, markersize=5, label="fold")
-    _legend(page, panels)
+    _legend(panels, "upper left")
     for axes in panels:
         axes.set_xlim(0.0, 0.4)
     limits = ((0.0, 1.0), (0.0, 6e-4), (0.0, 4e-3), (0.5, 1.03), (0.0, 1.3), (0.0, 1.3))
@@ -98,7 +98,7 @@ def draw_proportional() -> tuple[Columns, Sheet]:
     columns = table(courses, "s")
     page, panels = tiles("Periodic orbits of the proportional loop", 2, 3)
     _draw(panels, columns, courses, "s", "s_crit", float(analogue_edge(D, PLANT.k, PLANT.gamma)))
-    _legend(page, panels)
+    _legend(panels, "upper right")
     for axes in panels:
         axes.set_xlim(1.0, 2.0)
     limits = ((2.16, 2.21), (0.0, 4e-3), (0.0, 10e-3), (0.5, 0.9), (0.5, 1.7), (0.5, 1.7))
@@ -107,7 +107,7 @@ def draw_proportional() -> tuple[Columns, Sheet]:
     remark(
         page,
         f"d {D:g}, k {PLANT.k:g}, alpha {PLANT.alpha:g}, gamma {PLANT.gamma:g}. Solid stable, dashed unstable. "
-        "Below s_crit every run of the loop comes to rest; the unstable orbits of the source fit the grey curve.",
+        "Below s_crit runs of the loop come to rest; the unstable orbits of the source fit the grey curve.",
     )
     return columns, page
 
@@ -125,9 +125,9 @@ def _draw(panels: list[Any], columns: Columns, courses: list[Course], parameter:
     panels[4].axhline(1.0, color="0.4", linewidth=0.8)
 
 
-def _legend(page: Sheet, panels: list[Any]) -> None:
-    handles, words = panels[0].get_legend_handles_labels()
-    page.legend(handles, words, loc="outside upper center", ncols=len(words), fontsize=8.5, frameon=False)
+def _legend(panels: list[Any], place: str) -> None:
+    """In the last panel, which has the room."""
+    panels[-1].legend(*panels[0].get_legend_handles_labels(), loc=place, fontsize=8, frameon=False)
 
 
 def _curve(axes: Any, columns: Columns, number: int, parameter: str, name: str, course: Course) -> None:

@@ -1,8 +1,8 @@
 """Figure 5.3: pressures fall on the critical manifold and follow the speed along it; and why that is not enough.
 
 Source: 5.3.1, with alpha 0.01, k 0.5, gamma 0.5, s 10 of Fig. 5.4. Left the two sheets (5.17), one for each position of
-the relay, and runs of the whole actuator with the relay held. Right the relay loop with pressures on the manifold, beside
-the whole loop, at a d below and one above d_H.
+the relay, and runs of the whole actuator with the relay held. Right the relay loop with pressures on the manifold,
+beside the whole loop, at a d below and one above d_H.
 """
 
 from typing import Any
@@ -22,7 +22,7 @@ PLANT = Actuator(0.01, 0.5, 0.5)
 S, GAINS = 10.0, (0.1, 0.35)  # s, and d below and above d_H
 STIFF = 0.001  # alpha of the runs on the left: the fall is steeper than the picture can show at 0.01
 STARTS = ((-0.30, -0.6), (-0.1, -0.1), (0.28, 0.9), (-0.2, 1.0))  # y2, y3 - y4
-PLACES, LONGEST, SPEED = 401, 2.5, -3e-3  # of the table; time and first y2 on the right
+PLACES, LONGEST, SPEED = 801, 5.0, -2e-3  # of the table; time and first y2 on the right
 BLUE, RED, GREY, GREEN = "#2a6fbb", "#c8413b", "#8a8f98", "#3a9150"
 
 
@@ -57,7 +57,7 @@ def whole(d: float, times: Array) -> Array:
 
 
 def reduced(d: float, times: Array) -> Array:
-    """y2 of the relay loop on the manifold: it switches while it must, and slides, y2' = -(s/d) y2, as soon as it can."""
+    """y2 of the relay loop on the manifold: it switches while it must, and slides, y2' = -(s/d) y2, once it can."""
     values = np.empty((PLACES, 2))
     time, y, side, filled = 0.0, np.array([0.0, SPEED]), 1.0, 0
 
@@ -106,12 +106,13 @@ def draw_manifold() -> tuple[Columns, Sheet]:
         on = 1e3 * columns[f"y2 on the manifold d {d:g} [-]"]
         right.plot(times, on, "--", color=colour, linewidth=1.1, label=f"on the manifold, d {d:g}")
     label(right, "time", "velocity y2 / 1e-3")
-    right.legend(fontsize=8, frameon=False, loc="lower right")
+    right.set(xlim=(0.0, LONGEST), ylim=(-2.1, 2.7))
+    right.legend(fontsize=8, frameon=False, loc="upper right", ncols=2)
     edge = float(relay_edge(S, PLANT.k, PLANT.gamma, PLANT.alpha))
     remark(
         page,
-        f"Left: relay held at u = 1, alpha {STIFF:g}. Right: relay loop, s {S:g}, alpha {PLANT.alpha:g}. On the manifold it "
-        f"comes to rest at every d > 0; the whole loop oscillates below d_H = {edge:.4f}.",
+        f"Left: relay held at u = 1, alpha {STIFF:g}. Right: relay loop, s {S:g}, alpha {PLANT.alpha:g}. "
+        f"On the manifold it comes to rest at every d > 0; the whole loop oscillates below d_H = {edge:.4f}.",
     )
     return columns, page
 

@@ -7,8 +7,8 @@ Source: 5.3.1, (5.14) to (5.19). With a valve held open by u and r = y2/(gamma u
 
 It always attracts. On it y1' = y2, y2' = alpha sign(u) (1 - 2 r |r|) - k y2, whose slopes at rest give 0 and -k on both
 sides of the relay: neutral. Acceleration jumps with u there, so the reduced relay loop slides along h = 0 to its rest,
-whatever d > 0; the whole one cannot, (5.13), and oscillates below d_H. So what the loop does near its rest is decided by
-the pressures the manifold leaves out, by the compressibility. Dimensionless numbers or arrays, u != 0.
+whatever d > 0; the whole one cannot, (5.13), and oscillates below d_H. So what the loop does near its rest is decided
+by the pressures the manifold leaves out, by the compressibility. Dimensionless numbers or arrays, u != 0.
 """
 
 import numpy as np
@@ -42,7 +42,8 @@ def slides(
     y2: ArrayLike, s: ArrayLike, d: ArrayLike, k: ArrayLike, gamma: ArrayLike, alpha: ArrayLike
 ) -> NDArray[np.bool_]:
     """Does the reduced relay loop stay on h = 0? Where u = 1 (h < 0) raises h and u = -1 (h > 0) lowers it."""
-    up, down = (s * rate[0] + d * rate[1] for rate in (reduced_rates(y2, u, k, gamma, alpha) for u in (1.0, -1.0)))
+    moves = (reduced_rates(y2, u, k, gamma, alpha) for u in (1.0, -1.0))
+    up, down = (np.asarray(s) * speed + np.asarray(d) * rate for speed, rate in moves)
     return (up > 0.0) & (down < 0.0)
 
 
