@@ -188,7 +188,7 @@ def test_multipliers_are_those_of_the_motion_over_a_period(orbits: dict[str, Orb
     def turned(y: np.ndarray) -> np.ndarray:
         time, side = 0.0, 1.0
         while True:
-            piece = run(orbit, y, side, orbit.period - time, to_switch=name == "relay")
+            piece = run(orbit, y, side, orbit.period - time, to_switch=True)
             y, time, side = piece.y[:, -1], time + piece.t[-1], -side
             if piece.status == 0:
                 return y
@@ -293,14 +293,14 @@ def half_turns(orbit: Orbit, start: np.ndarray, count: int) -> np.ndarray:
 
 
 def test_plain_runs_leave_an_unstable_orbit_by_its_multiplier_and_come_to_a_stable_one(folded: Branch):
-    """Started 1 % beside the orbit in y2 and y1: per half-turn the gap is multiplied by the root of the multiplier."""
+    """Started 0.1 % beside it in y1 and y2: a half-turn multiplies the gap by the root of the multiplier."""
     repelling, attracting = folded.orbits[-1], folded.orbits[-1]
     for orbit in folded.orbits:
         if orbit.period < folded.folds[0].period and peaks(orbit)[2] > 1.0:
             attracting = orbit
     for orbit in (repelling, attracting):
         factor = math.sqrt(other_multipliers(orbit)[0].real)
-        for shift in (1e-3, -1e-3):
+        for shift in (1e-3, -1e-3) if orbit is repelling else (1e-3,):
             start = orbit.starts[0] * [1.0 + shift, 1.0 + shift, 1.0, 1.0]
             gaps = half_turns(orbit, start, 3) / orbit.starts[0, 1] - 1.0
             assert gaps[2:] / gaps[1:-1] == pytest.approx(factor, rel=0.02)

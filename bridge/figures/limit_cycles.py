@@ -126,8 +126,8 @@ def _draw(panels: list[Any], columns: Columns, courses: list[Course], parameter:
 
 
 def _legend(panels: list[Any], place: str) -> None:
-    """In the last panel, which has the room."""
-    panels[-1].legend(*panels[0].get_legend_handles_labels(), loc=place, fontsize=8, frameon=False)
+    """In the last panel, which has the room; over the line of the edge."""
+    panels[-1].legend(*panels[0].get_legend_handles_labels(), loc=place, fontsize=8, framealpha=1.0, edgecolor="none")
 
 
 def _curve(axes: Any, columns: Columns, number: int, parameter: str, name: str, course: Course) -> None:

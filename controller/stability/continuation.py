@@ -58,13 +58,13 @@ class Branch(NamedTuple):
         return np.abs(self.multipliers).max(axis=1) < 1.0
 
 
-def tangent(x: Array, loop: Loop, parameter: str, along: Array) -> Array:
-    """Unit vector along the branch, turned like `along`."""
-    null = np.linalg.svd(equations(x, loop, parameter)[1])[2][-1]
+def tangent(jacobian: Array, along: Array) -> Array:
+    """Unit vector along the branch from the derivatives of its equations, turned like `along`."""
+    null = np.linalg.svd(jacobian)[2][-1]
     return null if null @ along >= 0.0 else -null
 
 
-def _advance(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> tuple[Array, int]:
+def _advance(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> tuple[Array, int, Array]:
     return correct(x + step * t, loop, parameter, lambda new: (float(t @ (new - x)) - step, t))
 
 
@@ -81,12 +81,12 @@ def follow_branch(orbit: Orbit, parameter: str, direction: float, limits: Limits
             f"{limits.most} and {limits.longest}"
         )
     loop, x = orbit.loop, pack(orbit, parameter)
-    t = tangent(x, loop, parameter, direction * np.eye(len(x))[-1])
+    t = tangent(equations(x, loop, parameter)[1], direction * np.eye(len(x))[-1])
     orbits, folds, step = [orbit], [], limits.step / 8.0
     while len(orbits) < limits.points and step > LEAST_STEP:
         try:
-            new, turns = _advance(x, t, step, loop, parameter)
-            turned = tangent(new, loop, parameter, t)
+            new, turns, jacobian = _advance(x, t, step, loop, parameter)
+            turned = tangent(jacobian, t)
         except (ArithmeticError, np.linalg.LinAlgError):
             step /= 2.0
             continue
@@ -116,7 +116,7 @@ def _fold(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> Orbit:
     """Where the tangent has no part along the parameter, between two points of the branch."""
 
     def slope(length: float) -> float:
-        return tangent(_advance(x, t, length, loop, parameter)[0], loop, parameter, t)[-1]
+        return tangent(_advance(x, t, length, loop, parameter)[2], t)[-1]
 
     length = float(brentq(slope, 0.0, step, xtol=1e-10))  # pyright: ignore[reportArgumentType]
     return unpack(_advance(x, t, length, loop, parameter)[0], loop, parameter)

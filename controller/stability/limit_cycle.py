@@ -101,8 +101,12 @@ def arc(orbit: Orbit, i: int) -> Array:
     return row
 
 
-def correct(x: Array, loop: Loop, parameter: str, extra: Callable[[Array], tuple[float, Array]]) -> tuple[Array, int]:
-    """Newton on the equations and one further condition (its value and gradient); X and the iterations taken.
+def correct(
+    x: Array, loop: Loop, parameter: str, extra: Callable[[Array], tuple[float, Array]]
+) -> tuple[Array, int, Array]:
+    """Newton on the equations and one further condition (its value and gradient).
+
+    Returns X, the iterations taken, and the derivatives of the equations there, but for a change below 1e-9.
 
     ArithmeticError where it does not converge.
     """
@@ -112,7 +116,7 @@ def correct(x: Array, loop: Loop, parameter: str, extra: Callable[[Array], tuple
         change = np.linalg.solve(np.vstack([jacobian, gradient]), np.append(residual, value))
         x = x - change
         if np.abs(change).max() < 1e-9:
-            return x, turn + 1
+            return x, turn + 1, jacobian
         if not np.abs(change).max() < FARTHEST:
             break
     raise ArithmeticError("Newton's method does not converge")
