@@ -26,6 +26,7 @@ class Course(NamedTuple):
     """One branch in a picture."""
 
     name: str
+    key: float  # tells it from the others in the table
     branch: Branch
     colour: str
     width: float
@@ -36,8 +37,8 @@ def relay_courses() -> list[Course]:
     start, limits = 0.004, Limits(0.0, 0.4, 2.0, 0.03, 300)
     branches = [follow_branch(relay_birth(plant, S, start), "d", -1.0, limits) for plant in (PLANT, FALLING)]
     return [
-        Course("friction of the source, k 0.5", branches[0], BLUE, 1.8),
-        Course("friction falling with speed,\nk -0.2", branches[1], ORANGE, 1.3),
+        Course("friction of the source, k 0.5", PLANT.k, branches[0], BLUE, 1.8),
+        Course("friction falling with speed,\nk -0.2", FALLING.k, branches[1], ORANGE, 1.3),
     ]
 
 
@@ -46,18 +47,18 @@ def proportional_courses() -> list[Course]:
     up = follow_branch(proportional_birth(PLANT, D, 1e-6), "s", 1.0, Limits(1.0, 2.0, 10.0, 0.03, 300))
     down = follow_branch(proportional_birth(PLANT, D, 1e-6, CROSSED), "s", -1.0, Limits(1.0, 2.0, 10.0, 0.03, 300))
     return [
-        Course("the loop", up, BLUE, 1.8),
-        Course("no orbit of the loop: arcs with\nthe edges of the other sign of u", down, GREY, 1.3),
+        Course("the loop", 0.0, up, BLUE, 1.8),
+        Course("no orbit of the loop: arcs with\nthe edges of the other sign of u", 1.0, down, GREY, 1.3),
     ]
 
 
-def table(courses: list[Course], parameter: str) -> Columns:
-    """One row an orbit, the branches below each other; the three multipliers by size, as real and imaginary part."""
-    numbers = [np.full(len(course.branch.orbits), float(i)) for i, course in enumerate(courses)]
+def table(courses: list[Course], parameter: str, key: str) -> Columns:
+    """One row an orbit, the branches below each other, told apart by `key`; the multipliers beside 1 by their size."""
+    keys = [np.full(len(course.branch.orbits), course.key) for course in courses]
     tops = np.vstack([course.branch.peaks for course in courses])
     multipliers = np.vstack([course.branch.multipliers for course in courses])
     columns: Columns = {
-        "branch [-]": np.concatenate(numbers),
+        key: np.concatenate(keys),
         f"{parameter} [-]": np.concatenate([course.branch.values for course in courses]),
         "half-period [-]": np.concatenate([course.branch.periods / 2.0 for course in courses]),
     }
@@ -72,7 +73,7 @@ def table(courses: list[Course], parameter: str) -> Columns:
 def draw_relay() -> tuple[Columns, Sheet]:
     """Figure 5.4."""
     courses = relay_courses()
-    columns = table(courses, "d")
+    columns = table(courses, "d", "k [-]")
     page, panels = tiles("Periodic orbits of the relay loop", 2, 3)
     edges = [float(relay_edge(S, plant.k, plant.gamma, plant.alpha)) for plant in (PLANT, FALLING)]
     _draw(panels, columns, courses, "d", "d_H", edges[0])
@@ -95,7 +96,7 @@ def draw_relay() -> tuple[Columns, Sheet]:
 def draw_proportional() -> tuple[Columns, Sheet]:
     """Figure 5.5."""
     courses = proportional_courses()
-    columns = table(courses, "s")
+    columns = table(courses, "s", "edges crossed [-]")
     page, panels = tiles("Periodic orbits of the proportional loop", 2, 3)
     _draw(panels, columns, courses, "s", "s_crit", float(analogue_edge(D, PLANT.k, PLANT.gamma)))
     _legend(panels, "upper right")
@@ -117,8 +118,8 @@ def _draw(panels: list[Any], columns: Columns, courses: list[Course], parameter:
     words = "half-period T", "max y1, position", "max y2, velocity", "max y3, pressure", "multiplier", "next multiplier"
     for axes, name, word in zip(panels, names, words, strict=True):
         axes.axvline(value, color=RED, linestyle=":", linewidth=1.2, label=f"theory: {edge} {value:.4f}")
-        for i, course in enumerate(courses):
-            _curve(axes, columns, i, parameter, f"{name} [-]", course)
+        for course in courses:
+            _curve(axes, columns, parameter, f"{name} [-]", course)
         label(axes, parameter, word)
     panels[1].ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
     panels[2].ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
@@ -130,9 +131,9 @@ def _legend(panels: list[Any], place: str) -> None:
     panels[-1].legend(*panels[0].get_legend_handles_labels(), loc=place, fontsize=8, framealpha=1.0, edgecolor="none")
 
 
-def _curve(axes: Any, columns: Columns, number: int, parameter: str, name: str, course: Course) -> None:
+def _curve(axes: Any, columns: Columns, parameter: str, name: str, course: Course) -> None:
     """Solid where stable, dashed where not; both parts meet."""
-    mine = columns["branch [-]"] == number
+    mine = next(iter(columns.values())) == course.key
     across, up, stable = columns[f"{parameter} [-]"][mine], columns[name][mine], columns["stable [-]"][mine] > 0.5
     style: dict[str, Any] = {"color": course.colour, "linewidth": course.width}
     if stable.any():
