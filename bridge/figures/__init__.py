@@ -53,7 +53,7 @@ FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 def draw_figure(name: str, directory: str | Path) -> tuple[Path, Path]:
     """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. ValueError: no such figure."""
     if name not in FIGURES:
-        nearest = difflib.get_close_matches(name, FIGURES, n=4, cutoff=0.5) or list(FIGURES)
+        nearest = difflib.get_close_matches(name, FIGURES, n=6, cutoff=0.5) or list(FIGURES)
         raise ValueError(f"no figure {name!r}; nearest: {', '.join(nearest)}")
     columns, sheet = FIGURES[name].draw()
     directory = Path(directory)
