@@ -15,7 +15,7 @@ from controller.stability.analogue import (
     one_sided_jacobians,
 )
 from controller.stability.relay import relay_edge, relay_frequency, relay_polynomial
-from controller.stability.slow_fast import critical_manifold, full_rates, layer_rates, reduced_rates
+from controller.stability.slow_fast import critical_manifold, full_rates, layer_rates, reduced_rates, slides
 
 SQRT2 = math.sqrt(2.0)
 ALPHA, K, GAMMA = 0.01, 0.5, 0.5  # of Figs 5.4 and 5.5
@@ -174,3 +174,15 @@ def test_the_whole_model_follows_the_manifold_the_closer_the_stiffer():
         y = solve_ivp(rates, (0.0, 0.5), [0.0, 0.2, 0.9, 0.3], "Radau", rtol=1e-9, atol=1e-12).y[:, -1]
         away.append(np.abs(y[2:] - np.array(critical_manifold(y[1], 0.6, GAMMA))).max())
     assert away[0] / away[1] == pytest.approx(10.0, rel=0.1)
+
+
+@pytest.mark.parametrize("d", [0.02, 0.1, 0.35])
+def test_the_reduced_relay_loop_slides_near_rest_and_the_whole_one_never_does(d: float):
+    """On the manifold the two sides of h = 0 push at each other where |s - d k| |y2| < d alpha (1 - 2 (y2/gamma)^2)."""
+    s = 10.0
+    bound = d * ALPHA / (s - d * K)
+    assert slides(np.array([0.0, 0.99, -0.99]) * bound, s, d, K, GAMMA, ALPHA).all()
+    assert not slides(np.array([1.01, -1.01]) * bound, s, d, K, GAMMA, ALPHA).any()
+    y = np.array([-d / s * bound, bound, 0.4, 0.7])
+    moves = [s * rate[0] + d * rate[1] for rate in (full_rates(y, u, K, GAMMA, ALPHA) for u in (1.0, -1.0))]
+    assert moves[0] == moves[1]

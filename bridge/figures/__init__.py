@@ -9,7 +9,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from bridge.figures import friction, oil, rig, stability_causes, stability_edges, transients
+from bridge.figures import (
+    friction,
+    limit_cycles,
+    oil,
+    rig,
+    slow_manifold,
+    stability_causes,
+    stability_edges,
+    transients,
+)
 from bridge.figures.canvas import Columns, Sheet
 
 
@@ -29,6 +38,9 @@ _ALL = (
     Figure("2.28", "Load change and impingement at four pump speeds", transients.draw_experiment),
     Figure("2.29", "Load change: pressures, position, relief valve", transients.draw_load_change),
     Figure("2.30", "Impingement: pressures, position, relief valve", transients.draw_impingement),
+    Figure("5.3", "Pressures fall on the critical manifold, and what that leaves out", slow_manifold.draw_manifold),
+    Figure("5.4", "Periodic orbits of the relay loop over its derivative gain", limit_cycles.draw_relay),
+    Figure("5.5", "Periodic orbits of the proportional loop over its gain", limit_cycles.draw_proportional),
     Figure("5.20", "Critical gain over the sampling interval, computed", stability_edges.draw_computed),
     Figure("5.21", "Critical gain over the sampling interval, found on the twin", stability_edges.draw_measured),
     Figure("causes", "Why the twin parts from its linear theory, by cause", stability_causes.draw_causes),
@@ -41,7 +53,7 @@ FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 def draw_figure(name: str, directory: str | Path) -> tuple[Path, Path]:
     """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. ValueError: no such figure."""
     if name not in FIGURES:
-        nearest = difflib.get_close_matches(name, FIGURES, n=4, cutoff=0.5) or list(FIGURES)
+        nearest = difflib.get_close_matches(name, FIGURES, n=6, cutoff=0.5) or list(FIGURES)
         raise ValueError(f"no figure {name!r}; nearest: {', '.join(nearest)}")
     columns, sheet = FIGURES[name].draw()
     directory = Path(directory)

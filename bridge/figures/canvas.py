@@ -43,6 +43,17 @@ def stack(title: str, heights: Sequence[float]) -> tuple[Sheet, list[Axes]]:
     return page, [_plain(axes) for axes in panels]
 
 
+def tiles(title: str, rows: int, columns: int) -> tuple[Sheet, list[Axes]]:
+    """An empty sheet with a title and panels in rows, in reading order."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    page = Figure(figsize=(4.0 * columns, 1.0 + 3.0 * rows), dpi=DOTS_PER_INCH, layout="constrained")
+    FigureCanvasAgg(page)
+    page.suptitle(title, fontsize=12)
+    return page, [_plain(axes) for axes in page.subplots(rows, columns, squeeze=False).ravel()]
+
+
 def drawing(width: float, height: float, bounds: tuple[float, float, float, float]) -> tuple[Sheet, Axes]:
     """An empty sheet [inch] without axes; bounds: left, right, bottom, top, of the same shape or drawn to fit."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -1,11 +1,12 @@
-"""When a loop oscillates: linear theory of the analogue, the relay and the sampled loop. Source: chapter 5.
+"""When a loop oscillates, and how: theory of the analogue, the relay and the sampled loop. Source: chapter 5.
 
 `monodromy`, `critical_gain`: the sampled dimensionless actuator with any delay and the derivatives of `controller.law`.
 `plant_of` (a control.StateSpace, as of `twin.linear.linearise`), `sampled_loop`, `closed`: the same for any
 linear plant; the actuator is `linear_actuator`. `multipliers`, `stable_count`, `is_stable`, `loop_onset` (gain, kind
 and frequency), `gain_margin`, `delay_margin` judge a loop.
 `curves`: closed forms. `chart`: counts of stable multipliers on grids, compiled. `analogue`, `relay`, `slow_fast`: the
-loop without sampling.
+loop without sampling. `birth`, `limit_cycle`, `continuation`, `floquet`: its periodic orbits, from their birth through
+folds, and what they do to their neighbours; their arcs are compiled in `arc`.
 """
 
 from controller.stability.crossing import Onset, is_stable, multipliers, stable_count

@@ -1,8 +1,9 @@
 """An arc of the analogue loop between two switching points, with its derivatives by start, s and d.
 
 Dormand and Prince's pair 5(4), steps chosen by the error of the state; the variational equations go along, so that
-derivatives are those of the flow. On an arc h <= 0: the relay holds u = 1, the proportional valve u = min(-h, 1),
-the smoothed relay both edges, (5.20). The pure root near no drop makes steps short, not wrong.
+derivatives are those of the flow; their errors choose the step too. An arc belongs to the side h <= 0: the relay holds
+u = 1, the proportional valve u = min(-h, 1), the smoothed relay both edges, (5.20). CROSSED is no valve: the
+proportional loop with the edges of the other side, q1 = u G(y3), q2 = -u G(1 - y4) for u > 0; see `birth`.
 """
 
 import math
@@ -13,8 +14,11 @@ import numpy as np
 from controller.stability.actuator import Actuator, Array, Feedback, rates, root, root_slope
 from twin.kernel import allocating_kernel, inlined
 
-RELAY, PROPORTIONAL, SMOOTHED = 0, 1, 2
+RELAY, PROPORTIONAL, SMOOTHED, CROSSED = 0, 1, 2, 3
 WIDTH = 28  # of a row: y, then d y/d(y0, s, d) row by row, (4, 6)
+SLOPES = 1e-3  # weight of the error of a derivative against that of a state
+SHARPEST = 1e-12  # drop below which the pure root is not followed in every detail
+STABLE = 3.0  # step times the rate of a decay that the pair still damps
 STAGES = np.zeros((7, 7))
 STAGES[1, :1] = 1 / 5
 STAGES[2, :2] = 3 / 40, 9 / 40
@@ -28,7 +32,7 @@ ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 /
 class Loop(NamedTuple):
     """An analogue loop."""
 
-    kind: int  # RELAY | PROPORTIONAL | SMOOTHED
+    kind: int  # RELAY | PROPORTIONAL | SMOOTHED | CROSSED
     actuator: Actuator
     gains: Feedback
     epsilon: float  # of tanh(h/epsilon), SMOOTHED only
@@ -44,9 +48,9 @@ def openings(h: float, loop: Loop) -> tuple[float, float, float, float]:
         share = 0.5 * (1.0 - math.tanh(h / loop.epsilon))
         slope = -2.0 * share * (1.0 - share) / loop.epsilon
         return share, 1.0 - share, slope, -slope
-    if abs(h) >= 1.0:
-        return max(-math.copysign(1.0, h), 0.0), max(math.copysign(1.0, h), 0.0), 0.0, 0.0
-    return (-h, 0.0, -1.0, 0.0) if h <= 0.0 else (0.0, h, 0.0, 1.0)
+    if loop.kind == 3:
+        return 0.0, h, 0.0, 1.0
+    return (-h, 0.0, -1.0, 0.0) if h > -1.0 else (1.0, 0.0, 0.0, 0.0)
 
 
 @inlined
@@ -61,10 +65,10 @@ def derive(w, out, loop: Loop):
     h3 = to3 * (a_h * root(1.0 - y3, loop.laminar) - b_h * root(y3, loop.laminar))
     h4 = to4 * (b_h * root(1.0 - y4, loop.laminar) - a_h * root(y4, loop.laminar))
     own3 = own4 = 0.0
-    if a > 0.0:
+    if a != 0.0:
         own3 -= to3 * a * root_slope(1.0 - y3, loop.laminar)
         own4 -= to4 * a * root_slope(y4, loop.laminar)
-    if b > 0.0:
+    if b != 0.0:
         own3 -= to3 * b * root_slope(y3, loop.laminar)
         own4 -= to4 * b * root_slope(1.0 - y4, loop.laminar)
     for j in range(6):
@@ -74,6 +78,20 @@ def derive(w, out, loop: Loop):
         out[10 + j] = alpha * (v3 - v4) - k * v2
         out[16 + j] = -out[2] / (1.0 + y1) * v1 - to3 / gamma * v2 + own3 * v3 + h3 * dh
         out[22 + j] = out[3] / (1.0 - y1) * v1 + to4 / gamma * v2 + own4 * v4 + h4 * dh
+
+
+@inlined
+def stiffness(w, loop: Loop):
+    """How fast a pressure falls back to where the flows fit the speed; the pair's own stability bounds the step by it,
+    which the error alone would not as soon as nothing is left to fall back from."""
+    h = loop.gains.s * w[0] + loop.gains.d * w[1]
+    a, b, _, _ = openings(h, loop)
+    slopes, laminar = 1e-30, max(loop.laminar, SHARPEST)
+    if a != 0.0:
+        slopes = abs(a) * max(root_slope(1.0 - w[2], laminar), root_slope(w[3], laminar))
+    if b != 0.0:
+        slopes += abs(b) * max(root_slope(w[2], laminar), root_slope(1.0 - w[3], laminar))
+    return loop.actuator.gamma * slopes / (loop.actuator.alpha * (1.0 - abs(w[0])))
 
 
 @allocating_kernel
@@ -86,12 +104,18 @@ def step_by(w, size, loop: Loop, stages, trial):
                 total += STAGES[i, j] * stages[j, n]
             trial[n] = w[n] + size * total
         derive(trial, stages[i], loop)
-    worst = 0.0
-    for n in range(4):
+    alpha, worst = loop.actuator.alpha, 0.0
+    for n in range(WIDTH):
         error = 0.0
         for j in range(7):
             error += ERROR[j] * stages[j, n]
-        worst = max(worst, abs(size * error) / (loop.actuator.alpha if n < 2 else 1.0))
+        error = abs(size * error)
+        if n < 4:
+            worst = max(worst, error / (alpha if n < 2 else 1.0))
+        else:
+            row, column = (n - 4) // 6, (n - 4) % 6
+            scale = (alpha if column < 2 else 1.0) / (alpha if row < 2 else 1.0)
+            worst = max(worst, SLOPES * error * scale)
     return worst
 
 
@@ -109,7 +133,7 @@ def follow(y, length, loop: Loop, tolerance, to_switch):
     time, size, below = 0.0, min(1e-3, length), False
     derive(w, stages[0], loop)
     while time < length:
-        size = min(size, length - time)
+        size = min(size, length - time, STABLE / stiffness(w, loop))
         error = step_by(w, size, loop, stages, trial)
         factor = 0.9 * (tolerance / max(error, 1e-30)) ** 0.2
         if not error <= tolerance:

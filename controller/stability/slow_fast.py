@@ -6,12 +6,13 @@ Source: 5.3.1, (5.14) to (5.19). With a valve held open by u and r = y2/(gamma u
     u > 0: y3 = 1 - r |r|, y4 = r |r|;      u < 0: y3 = r |r|, y4 = 1 - r |r|.
 
 It always attracts. On it y1' = y2, y2' = alpha sign(u) (1 - 2 r |r|) - k y2, whose slopes at rest give 0 and -k on both
-sides of the relay: neutral. So what the loop does near its rest is decided by the pressures it leaves out, by the
-compressibility. Dimensionless numbers or arrays, u != 0.
+sides of the relay: neutral. Acceleration jumps with u there, so the reduced relay loop slides along h = 0 to its rest,
+whatever d > 0; the whole one cannot, (5.13), and oscillates below d_H. So what the loop does near its rest is decided
+by the pressures the manifold leaves out, by the compressibility. Dimensionless numbers or arrays, u != 0.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from controller.stability.plant import Array
 
@@ -35,6 +36,15 @@ def reduced_rates(y2: ArrayLike, u: ArrayLike, k: ArrayLike, gamma: ArrayLike, a
     y3, y4 = critical_manifold(y2, u, gamma)
     speed = np.asarray(y2, float)
     return speed, np.asarray(alpha, float) * (y3 - y4) - np.asarray(k, float) * speed
+
+
+def slides(
+    y2: ArrayLike, s: ArrayLike, d: ArrayLike, k: ArrayLike, gamma: ArrayLike, alpha: ArrayLike
+) -> NDArray[np.bool_]:
+    """Does the reduced relay loop stay on h = 0? Where u = 1 (h < 0) raises h and u = -1 (h > 0) lowers it."""
+    moves = (reduced_rates(y2, u, k, gamma, alpha) for u in (1.0, -1.0))
+    up, down = (np.asarray(s) * speed + np.asarray(d) * rate for speed, rate in moves)
+    return (up > 0.0) & (down < 0.0)
 
 
 def full_rates(y: Array, u: float, k: float, gamma: float, alpha: float) -> Array:
