@@ -1,0 +1,147 @@
+"""The sampled loop about the whole actuator, run: kink, root law, changing volumes and a valve that opens no wider.
+
+Sample i is taken at i tau; its command u_i = -(s y1 + d v), cut to |u| <= limit, acts from (i + delay) tau until the
+next one acts, as in `controller.stability.sampled`; v by the same three derivatives as in `controller.law`, 0 at the
+first sample where it is a difference. Before the first command the valve is shut. Source: (5.7), (5.8), (5.23).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from controller.stability.actuator import Actuator
+from controller.stability.held import LONGEST, STATE, Held, Seen, hold
+from controller.stability.plant import Array
+from controller.stability.sampled import DERIVATIVES
+from twin.kernel import allocating_kernel, kernel
+
+ALPHA = 0.0043  # of the source's digital charts, Figs 5.8 to 5.19
+TOLERANCE = 1e-9  # of a step; ten thousand of them stay within 1e-5 of the supply pressure
+WENT, END, LOST = 0, 1, 2  # how a run came out: to its end; the piston to an end of the cylinder; steps vanished
+
+
+class Sampled(NamedTuple):
+    """A controller that samples."""
+
+    s: float
+    d: float
+    tau: float
+    delay: float  # sampling periods
+    measured: bool  # velocity by a tachometer; else a difference
+    kept: float  # of the last estimate, exp(-1/filter time); 0.0: the plain difference
+    limit: float  # of |u|
+
+
+class Tally(NamedTuple):
+    """What the thirds of a run showed, arrays of three rows."""
+
+    extremes: Array  # (3, 2) lowest and highest position
+    passages: Array  # (3, 3) upward through the middle: how many, first, last
+    turns: Array  # (3, 3) of the samples: how many, how often their sign changed, how many found the valve at its limit
+
+
+class Course(NamedTuple):
+    """A run, sample by sample; rows after `outcome` other than WENT are missing."""
+
+    time: Array  # (n + 1,)
+    states: Array  # (n + 1, 4) at the samples
+    commands: Array  # (n,) given there
+    outcome: int  # WENT | END | LOST
+
+
+def controller(
+    s: float,
+    d: float,
+    tau: float,
+    delay: float = 0.0,
+    derivative: str = "measured",
+    filter_time: float | None = None,
+    limit: float = 1.0,
+) -> Sampled:
+    """A checked controller; delay and filter time in sampling periods. ValueError for what cannot be."""
+    named = {"s": s, "d": d, "delay": delay, "tau": tau, "limit": limit}
+    for name, value in named.items():
+        if not (math.isfinite(value) or name == "limit") or not value >= 0.0 or (name == "tau" and value == 0.0):
+            raise ValueError(f"{name} {value} must be {'above' if name == 'tau' else 'at least'} 0, and finite")
+    if derivative not in DERIVATIVES:
+        raise ValueError(f"derivative {derivative!r} is none of {', '.join(map(repr, DERIVATIVES))}")
+    kept = 0.0
+    if derivative == "filtered":
+        if filter_time is None or not 0.0 <= filter_time < math.inf:
+            raise ValueError(
+                f"derivative 'filtered' needs a filter time of 0 or more sampling periods, not {filter_time}"
+            )
+        kept = math.exp(-1.0 / filter_time) if filter_time > 0.0 else 0.0
+    return Sampled(float(s), float(d), float(tau), float(delay), derivative == "measured", kept, float(limit))
+
+
+def displaced(y1: float) -> Array:
+    """The piston at rest at y1, half the supply in both chambers."""
+    return np.array([y1, 0.0, 0.5, 0.5])
+
+
+def simulate(
+    start: ArrayLike,
+    actuator: Actuator,
+    loop: Sampled,
+    periods: int,
+    laminar: float = 0.0,
+    tolerance: float = TOLERANCE,
+) -> Course:
+    """Run a loop from a state (4,) for so many sampling periods."""
+    states, commands = np.full((periods + 1, 4), np.nan), np.full(periods, np.nan)
+    plant = Held(Actuator(*map(float, actuator)), float(laminar), float(tolerance))
+    outcome = follow(np.array(start, float), plant, loop, periods, states, commands, tally())
+    return Course(np.arange(periods + 1) * loop.tau, states, commands, outcome)
+
+
+def tally() -> Tally:
+    """An empty one."""
+    return Tally(np.tile([np.inf, -np.inf], (3, 1)), np.zeros((3, 3)), np.zeros((3, 3)))
+
+
+@kernel
+def estimate(w, first, memory, loop: Sampled):
+    """The velocity that the law takes; memory (position, estimate) at the last sample, renewed."""
+    if loop.measured:
+        return w[1]
+    v = 0.0 if first else loop.kept * memory[1] + (1.0 - loop.kept) * (w[0] - memory[0]) / loop.tau
+    memory[0], memory[1] = w[0], v
+    return v
+
+
+@allocating_kernel
+def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: Tally):
+    """Run a loop, keep the samples in `states` and `commands` if these have rows, count in `seen`; the outcome."""
+    w, stages, trial, memory = start.copy(), np.empty((7, STATE)), np.empty(STATE), np.zeros(2)
+    past = int(math.ceil(loop.delay))
+    pending = np.zeros(past + 1)  # the command just given, then older ones
+    share = loop.delay - max(past - 1, 0)  # of a period, in which the oldest still acts
+    size, before = LONGEST, 0.0
+    for i in range(periods):
+        third = min(3 * i // periods, 2)
+        for age in range(past, 0, -1):
+            pending[age] = pending[age - 1]
+        h = loop.s * w[0] + loop.d * estimate(w, i == 0, memory, loop)
+        pending[0] = max(min(-h, loop.limit), -loop.limit)
+        seen.turns[third, 0] += 1.0
+        seen.turns[third, 1] += w[0] * before < 0.0
+        seen.turns[third, 2] += abs(h) > loop.limit
+        before = w[0] if w[0] != 0.0 else before
+        if len(states):
+            states[i], commands[i] = w, pending[0]
+        of_third = Seen(seen.extremes[third], seen.passages[third])
+        begin = i * loop.tau
+        if share > 0.0:
+            size = hold(w, STATE, pending[past], begin, share * loop.tau, size, plant, stages, trial, of_third)
+        if share < 1.0 and size > 0.0:
+            younger = pending[max(past - 1, 0)]
+            rest = (1.0 - share) * loop.tau
+            size = hold(w, STATE, younger, begin + share * loop.tau, rest, size, plant, stages, trial, of_third)
+        if size <= 0.0:
+            return END if size == 0.0 else LOST
+    if len(states):
+        states[periods] = w
+    return WENT

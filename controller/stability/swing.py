@@ -1,0 +1,130 @@
+"""When a run of the whole actuator counts as oscillating: the one criterion, and runs of many loops judged by it.
+
+The piston starts at rest, displaced. The run, PERIODS sampling periods or LASTING units of time, whichever is longer,
+is cut into thirds. The loop oscillates if in the last third the position goes up and down, peak to peak, by no less
+than KEPT of what it did in the middle third, or if the piston comes to an end of the cylinder. It is stable if the
+swing has fallen below FALLEN of the middle third's. Between both, it may still be falling to a swing that stays: it is
+run again, four times as long, and after LENGTHENED times counts as stable. No noise hides a swing here, so it counts
+however small it is; FLOOR is but rounding. So the answer is that of the sign of the growth, within ln(KEPT) over a
+third of the run.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from controller.stability.actuator import Actuator
+from controller.stability.held import Held
+from controller.stability.plant import Array
+from controller.stability.simulate import ALPHA, END, LOST, TOLERANCE, Sampled, Tally, controller, follow
+from twin.kernel import allocating_kernel
+
+PERIODS, LASTING = 400, 1000.0  # sampling periods; 1/omega, some 200 swings of the oil spring
+KEPT, FALLEN = 0.98, 0.5  # of the middle third's swing
+LENGTHENED = 3  # times at most
+FLOOR = 1e-9  # of alpha, peak to peak
+START = 1.0  # of alpha, where the piston is let go: there the pressures begin to feel the swing
+ORDER = ("s", "d", "k", "gamma", "tau", "delay", "alpha", "limit", "start")  # of a row
+Flags = NDArray[np.bool_]
+
+
+class Swings(NamedTuple):
+    """What runs did, arrays of one shape."""
+
+    oscillates: Flags
+    ends: Flags  # the piston came to an end of the cylinder
+    amplitude: Array  # half of peak to peak, last third, in chamber lengths; 1.0 at an end
+    growth: Array  # swing of the last third over that of the middle one; inf at an end
+    angle: Array  # [rad per sampling period], 0 .. pi: by how often samples change sides; compare |arg mu|
+    frequency: Array  # [rad omega], of the position itself, by its upward passages of the middle; 0.0 without two
+    saturated: Array  # share of the last third's samples that found the valve at its limit
+
+
+def swings(
+    s: ArrayLike,
+    d: ArrayLike,
+    k: ArrayLike,
+    gamma: ArrayLike,
+    tau: ArrayLike,
+    delay: ArrayLike = 0.0,
+    derivative: str = "measured",
+    filter_time: float | None = None,
+    *,
+    alpha: ArrayLike = ALPHA,
+    limit: ArrayLike = 1.0,
+    start: ArrayLike = START,
+    laminar: float = 0.0,
+    longer: float = 1.0,
+) -> Swings:
+    """Run and judge loops; arguments as of `monodromy`, every number may be an array, and they broadcast.
+
+    start: displacement of the piston in units of alpha; longer: by which the run's length is multiplied. Raises
+    ValueError for what cannot be, RuntimeError where a run's steps vanish.
+    """
+    given = (s, d, k, gamma, tau, delay, alpha, limit, start)
+    numbers = dict(zip(ORDER, np.broadcast_arrays(*(np.asarray(value, float) for value in given)), strict=True))
+    shape, kept = numbers["s"].shape, _check(numbers, derivative, filter_time)
+    rows = np.array([numbers[name].ravel() for name in ORDER]).T.copy()
+    periods = np.ceil(longer * np.maximum(PERIODS, LASTING / rows[:, 4])).astype(np.int64)
+    found = _judged(rows, periods, derivative == "measured", kept, float(laminar))
+    for _ in range(LENGTHENED):
+        falling = np.flatnonzero(~found.oscillates & (found.growth >= FALLEN))
+        periods[falling] *= 4
+        again = _judged(rows[falling], periods[falling], derivative == "measured", kept, float(laminar))
+        for old, new in zip(found, again, strict=True):
+            old[falling] = new
+    return Swings(*(part.reshape(shape) for part in found))
+
+
+def _judged(rows: Array, periods: NDArray[np.int64], measured: bool, kept: float, laminar: float) -> Swings:
+    seen = Tally(*(np.zeros((len(rows), 3, width)) for width in (2, 3, 3)))
+    outcome = np.zeros(len(rows), np.int64)
+    run_all(rows, periods, measured, kept, laminar, TOLERANCE, (np.empty((0, 4)), np.empty(0)), seen, outcome)
+    if np.any(outcome == LOST):
+        row = dict(zip(ORDER, rows[np.argmax(outcome == LOST)].tolist(), strict=True))
+        raise RuntimeError(f"the steps of a run vanished: {row}; set `laminar`")
+    return judge(seen, outcome, rows[:, ORDER.index("alpha")])
+
+
+def _check(numbers: dict[str, Array], derivative: str, filter_time: float | None) -> float:
+    """`kept` of all controllers; raises ValueError for a number that no loop has."""
+    for name, least in (("k", 0.0), ("gamma", 0.0), ("alpha", np.nextafter(0.0, 1.0))):
+        wrong = numbers[name][~((numbers[name] >= least) & np.isfinite(numbers[name]))]
+        if wrong.size:
+            raise ValueError(f"{name} {wrong.flat[0]} must be {'above' if least else 'at least'} 0, and finite")
+    far = np.abs(numbers["start"] * numbers["alpha"])
+    if not np.all(far < 1.0):
+        raise ValueError(f"start {far.max():g} chamber lengths from the middle: the cylinder ends at 1")
+    for extreme in (np.min, np.max):
+        worst = {name: float(extreme(numbers[name])) for name in ("s", "d", "tau", "delay", "limit")}
+        kept = controller(**worst, derivative=derivative, filter_time=filter_time).kept
+    return kept
+
+
+@allocating_kernel
+def run_all(rows, periods, measured, kept, laminar, tolerance, plain, seen: Tally, outcome):
+    """Run the loop of each row, ORDER."""
+    for i in range(len(rows)):
+        s, d, k, gamma, tau, delay, alpha, limit, start = rows[i]
+        plant = Held(Actuator(alpha, gamma, k), laminar, tolerance)
+        loop = Sampled(s, d, tau, delay, measured, kept, limit)
+        y = np.array([alpha * start, 0.0, 0.5, 0.5])
+        seen.extremes[i, :, 0], seen.extremes[i, :, 1] = np.inf, -np.inf
+        of_run = Tally(seen.extremes[i], seen.passages[i], seen.turns[i])
+        outcome[i] = follow(y, plant, loop, periods[i], plain[0], plain[1], of_run)
+
+
+def judge(seen: Tally, outcome: NDArray[np.int64], alpha: Array) -> Swings:
+    """The criterion."""
+    ends = outcome == END
+    with np.errstate(divide="ignore", invalid="ignore"):
+        swing = seen.extremes[..., 1] - seen.extremes[..., 0]
+        growth = np.where(ends, np.inf, np.nan_to_num(swing[:, 2] / swing[:, 1], nan=0.0, posinf=np.inf))
+        angle = np.pi * np.nan_to_num(seen.turns[:, 2, 1] / seen.turns[:, 2, 0])
+        saturated = np.nan_to_num(seen.turns[:, 2, 2] / seen.turns[:, 2, 0])
+        passed = seen.passages[:, 2]
+        frequency = np.nan_to_num(2.0 * np.pi * (passed[:, 0] - 1.0) / (passed[:, 2] - passed[:, 1]))
+    swings_on = (swing[:, 2] >= FLOOR * alpha) & (growth >= KEPT)
+    amplitude = np.where(ends, 1.0, 0.5 * swing[:, 2])
+    return Swings(ends | swings_on, ends, amplitude, growth, angle, frequency, saturated)
