@@ -18,7 +18,7 @@ from controller.stability.sampled import DERIVATIVES
 from twin.kernel import allocating_kernel, kernel
 
 ALPHA = 0.0043  # of the source's digital charts, Figs 5.8 to 5.19
-TOLERANCE = 1e-9  # of a step; ten thousand of them stay within 1e-5 of the supply pressure
+TOLERANCE = 1e-7  # of a step, in units of the supply pressure; 1e-9 moves no swing by more than 1e-5 of itself, and costs twice as much
 WENT, END, LOST = 0, 1, 2  # how a run came out: to its end; the piston to an end of the cylinder; steps vanished
 
 

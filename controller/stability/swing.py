@@ -20,8 +20,8 @@ from controller.stability.plant import Array
 from controller.stability.simulate import ALPHA, END, LOST, TOLERANCE, Sampled, Tally, controller, follow
 from twin.kernel import allocating_kernel
 
-PERIODS, LASTING = 400, 1000.0  # sampling periods; 1/omega, some 200 swings of the oil spring
-KEPT, FALLEN = 0.98, 0.5  # of the middle third's swing
+PERIODS, LASTING = 300, 600.0  # sampling periods; 1/omega, some 130 swings of the oil spring
+KEPT, FALLEN = 0.98, 0.1  # of the middle third's swing
 LENGTHENED = 3  # times at most
 FLOOR = 1e-9  # of alpha, peak to peak
 START = 1.0  # of alpha, where the piston is let go: there the pressures begin to feel the swing
