@@ -82,7 +82,9 @@ def orbits(plant: Held, loop: Sampled, first: float = FIRST, longest: float = LO
     scale = scale_of(loop, plant)
     at, opening = _linear_orbit(plant, loop._replace(s=flip))
     size = first / np.abs(at / scale).max()
-    z = np.append((np.eye(len(at))[2:4].sum(axis=0) * 0.5 + size * at) / scale, 1.0 + _rise(plant, loop, size * opening))
+    z = np.append(
+        (np.eye(len(at))[2:4].sum(axis=0) * 0.5 + size * at) / scale, 1.0 + _rise(plant, loop, size * opening)
+    )
     along = np.append(at / scale, _rise(plant, loop, opening))
     for found in branch(z, along, equations(plant, loop, scale, flip), longest):
         yield _orbit(found[:-1] * scale, plant, loop._replace(s=float(found[-1] * flip)))

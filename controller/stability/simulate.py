@@ -40,6 +40,7 @@ class Tally(NamedTuple):
     extremes: Array  # (3, 2) lowest and highest position
     passages: Array  # (3, 3) upward through the middle: how many, first, last
     turns: Array  # (3, 3) of the samples: how many, how often their sign changed, how many found the valve at its limit
+    level: Array  # (1,) mean of both pressures at the end
 
 
 class Course(NamedTuple):
@@ -65,16 +66,19 @@ def controller(
     for name, value in named.items():
         if not (math.isfinite(value) or name == "limit") or not value >= 0.0 or (name == "tau" and value == 0.0):
             raise ValueError(f"{name} {value} must be {'above' if name == 'tau' else 'at least'} 0, and finite")
+    kept = kept_of(derivative, filter_time)
+    return Sampled(float(s), float(d), float(tau), float(delay), derivative == "measured", kept, float(limit))
+
+
+def kept_of(derivative: str, filter_time: float | None) -> float:
+    """How much of its last estimate a derivative keeps. ValueError for an unknown one, or without its filter time."""
     if derivative not in DERIVATIVES:
         raise ValueError(f"derivative {derivative!r} is none of {', '.join(map(repr, DERIVATIVES))}")
-    kept = 0.0
-    if derivative == "filtered":
-        if filter_time is None or not 0.0 <= filter_time < math.inf:
-            raise ValueError(
-                f"derivative 'filtered' needs a filter time of 0 or more sampling periods, not {filter_time}"
-            )
-        kept = math.exp(-1.0 / filter_time) if filter_time > 0.0 else 0.0
-    return Sampled(float(s), float(d), float(tau), float(delay), derivative == "measured", kept, float(limit))
+    if derivative != "filtered":
+        return 0.0
+    if filter_time is None or not 0.0 <= filter_time < math.inf:
+        raise ValueError(f"derivative 'filtered' needs a filter time of 0 or more sampling periods, not {filter_time}")
+    return math.exp(-1.0 / filter_time) if filter_time > 0.0 else 0.0
 
 
 def displaced(y1: float) -> Array:
@@ -99,7 +103,7 @@ def simulate(
 
 def tally() -> Tally:
     """An empty one."""
-    return Tally(np.tile([np.inf, -np.inf], (3, 1)), np.zeros((3, 3)), np.zeros((3, 3)))
+    return Tally(np.tile([np.inf, -np.inf], (3, 1)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(1))
 
 
 @kernel
@@ -116,7 +120,7 @@ def estimate(w, first, memory, loop: Sampled):
 def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: Tally):
     """Run a loop, keep the samples in `states` and `commands` if these have rows, count in `seen`; the outcome."""
     w, stages, trial, memory = start.copy(), np.empty((7, STATE)), np.empty(STATE), np.zeros(2)
-    past = int(math.ceil(loop.delay))
+    past = math.ceil(loop.delay)
     pending = np.zeros(past + 1)  # the command just given, then older ones
     share = loop.delay - max(past - 1, 0)  # of a period, in which the oldest still acts
     size, before = LONGEST, 0.0
@@ -144,4 +148,5 @@ def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: T
             return END if size == 0.0 else LOST
     if len(states):
         states[periods] = w
+    seen.level[0] = 0.5 * (w[2] + w[3])
     return WENT

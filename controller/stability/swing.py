@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from controller.stability.actuator import Actuator
 from controller.stability.held import Held
 from controller.stability.plant import Array
-from controller.stability.simulate import ALPHA, END, LOST, TOLERANCE, Sampled, Tally, controller, follow
+from controller.stability.simulate import ALPHA, END, LOST, TOLERANCE, Sampled, Tally, controller, follow, kept_of
 from twin.kernel import allocating_kernel
 
 PERIODS, LASTING = 300, 600.0  # sampling periods; 1/omega, some 130 swings of the oil spring
@@ -25,8 +25,27 @@ KEPT, FALLEN = 0.98, 0.1  # of the middle third's swing
 LENGTHENED = 3  # times at most
 FLOOR = 1e-9  # of alpha, peak to peak
 START = 1.0  # of alpha, where the piston is let go: there the pressures begin to feel the swing
-ORDER = ("s", "d", "k", "gamma", "tau", "delay", "alpha", "limit", "start")  # of a row
 Flags = NDArray[np.bool_]
+
+
+class Loops(NamedTuple):
+    """Loops to be run; every number may be an array, and they broadcast."""
+
+    s: ArrayLike
+    d: ArrayLike
+    k: ArrayLike
+    gamma: ArrayLike
+    tau: ArrayLike
+    delay: ArrayLike  # sampling periods
+    alpha: ArrayLike
+    limit: ArrayLike  # of |u|
+    start: ArrayLike  # displacement of the piston, in units of alpha
+    derivative: str  # "measured" | "backward" | "filtered"
+    filter_time: float | None  # sampling periods
+
+
+PLAIN = Loops(0.5, 0.0, 0.1, 0.23, 3.0, 0.0, ALPHA, 1.0, START, "measured", None)  # amid the source's digital charts
+ORDER = Loops._fields[:9]  # of a row of numbers
 
 
 class Swings(NamedTuple):
@@ -39,55 +58,40 @@ class Swings(NamedTuple):
     angle: Array  # [rad per sampling period], 0 .. pi: by how often samples change sides; compare |arg mu|
     frequency: Array  # [rad omega], of the position itself, by its upward passages of the middle; 0.0 without two
     saturated: Array  # share of the last third's samples that found the valve at its limit
+    level: Array  # mean of both chamber pressures at the end, 0 relief, 1 supply
 
 
-def swings(
-    s: ArrayLike,
-    d: ArrayLike,
-    k: ArrayLike,
-    gamma: ArrayLike,
-    tau: ArrayLike,
-    delay: ArrayLike = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-    *,
-    alpha: ArrayLike = ALPHA,
-    limit: ArrayLike = 1.0,
-    start: ArrayLike = START,
-    laminar: float = 0.0,
-    longer: float = 1.0,
-) -> Swings:
-    """Run and judge loops; arguments as of `monodromy`, every number may be an array, and they broadcast.
+def swings(loops: Loops, longer: float = 1.0, laminar: float = 0.0) -> Swings:
+    """Run and judge loops, in the shape to which their numbers broadcast.
 
-    start: displacement of the piston in units of alpha; longer: by which the run's length is multiplied. Raises
-    ValueError for what cannot be, RuntimeError where a run's steps vanish.
+    longer: by which the length of the runs is multiplied; laminar: as in `held`. Raises ValueError for what cannot be,
+    RuntimeError where a run's steps vanish.
     """
-    given = (s, d, k, gamma, tau, delay, alpha, limit, start)
-    numbers = dict(zip(ORDER, np.broadcast_arrays(*(np.asarray(value, float) for value in given)), strict=True))
-    shape, kept = numbers["s"].shape, _check(numbers, derivative, filter_time)
-    rows = np.array([numbers[name].ravel() for name in ORDER]).T.copy()
+    numbers = np.broadcast_arrays(*(np.asarray(value, float) for value in loops[:9]))
+    kept = _checked(dict(zip(ORDER, numbers, strict=True)), loops)
+    rows = np.array([values.ravel() for values in numbers]).T.copy()
     periods = np.ceil(longer * np.maximum(PERIODS, LASTING / rows[:, 4])).astype(np.int64)
-    found = _judged(rows, periods, derivative == "measured", kept, float(laminar))
+    found = _judged(rows, periods, loops.derivative == "measured", kept, laminar)
     for _ in range(LENGTHENED):
         falling = np.flatnonzero(~found.oscillates & (found.growth >= FALLEN))
         periods[falling] *= 4
-        again = _judged(rows[falling], periods[falling], derivative == "measured", kept, float(laminar))
+        again = _judged(rows[falling], periods[falling], loops.derivative == "measured", kept, laminar)
         for old, new in zip(found, again, strict=True):
             old[falling] = new
-    return Swings(*(part.reshape(shape) for part in found))
+    return Swings(*(part.reshape(numbers[0].shape) for part in found))
 
 
 def _judged(rows: Array, periods: NDArray[np.int64], measured: bool, kept: float, laminar: float) -> Swings:
-    seen = Tally(*(np.zeros((len(rows), 3, width)) for width in (2, 3, 3)))
-    outcome = np.zeros(len(rows), np.int64)
-    run_all(rows, periods, measured, kept, laminar, TOLERANCE, (np.empty((0, 4)), np.empty(0)), seen, outcome)
+    seen = Tally(*(np.zeros((len(rows), 3, width)) for width in (2, 3, 3)), np.zeros((len(rows), 1)))
+    outcome, none = np.zeros(len(rows), np.int64), (np.empty((0, 4)), np.empty(0))
+    run_all(rows, periods, measured, kept, float(laminar), TOLERANCE, none, seen, outcome)
     if np.any(outcome == LOST):
         row = dict(zip(ORDER, rows[np.argmax(outcome == LOST)].tolist(), strict=True))
         raise RuntimeError(f"the steps of a run vanished: {row}; set `laminar`")
     return judge(seen, outcome, rows[:, ORDER.index("alpha")])
 
 
-def _check(numbers: dict[str, Array], derivative: str, filter_time: float | None) -> float:
+def _checked(numbers: dict[str, Array], loops: Loops) -> float:
     """`kept` of all controllers; raises ValueError for a number that no loop has."""
     for name, least in (("k", 0.0), ("gamma", 0.0), ("alpha", np.nextafter(0.0, 1.0))):
         wrong = numbers[name][~((numbers[name] >= least) & np.isfinite(numbers[name]))]
@@ -98,8 +102,8 @@ def _check(numbers: dict[str, Array], derivative: str, filter_time: float | None
         raise ValueError(f"start {far.max():g} chamber lengths from the middle: the cylinder ends at 1")
     for extreme in (np.min, np.max):
         worst = {name: float(extreme(numbers[name])) for name in ("s", "d", "tau", "delay", "limit")}
-        kept = controller(**worst, derivative=derivative, filter_time=filter_time).kept
-    return kept
+        controller(**worst, derivative=loops.derivative, filter_time=loops.filter_time)
+    return kept_of(loops.derivative, loops.filter_time)
 
 
 @allocating_kernel
@@ -111,7 +115,7 @@ def run_all(rows, periods, measured, kept, laminar, tolerance, plain, seen: Tall
         loop = Sampled(s, d, tau, delay, measured, kept, limit)
         y = np.array([alpha * start, 0.0, 0.5, 0.5])
         seen.extremes[i, :, 0], seen.extremes[i, :, 1] = np.inf, -np.inf
-        of_run = Tally(seen.extremes[i], seen.passages[i], seen.turns[i])
+        of_run = Tally(seen.extremes[i], seen.passages[i], seen.turns[i], seen.level[i])
         outcome[i] = follow(y, plant, loop, periods[i], plain[0], plain[1], of_run)
 
 
@@ -127,4 +131,4 @@ def judge(seen: Tally, outcome: NDArray[np.int64], alpha: Array) -> Swings:
         frequency = np.nan_to_num(2.0 * np.pi * (passed[:, 0] - 1.0) / (passed[:, 2] - passed[:, 1]))
     swings_on = (swing[:, 2] >= FLOOR * alpha) & (growth >= KEPT)
     amplitude = np.where(ends, 1.0, 0.5 * swing[:, 2])
-    return Swings(ends | swings_on, ends, amplitude, growth, angle, frequency, saturated)
+    return Swings(ends | swings_on, ends, amplitude, growth, angle, frequency, saturated, seen.level[:, 0])

@@ -1,0 +1,68 @@
+"""Where runs of the whole actuator and linear theory part, and why: by further runs, not by opinion.
+
+Linear theory is that of the smallest swing about (0, 0, 1/2, 1/2). With the valve shut any common pressure p is a rest;
+about it the actuator is that of gamma (sqrt p + sqrt(1 - p))/sqrt2, (5.24), so 1/2 oscillates first.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from controller.stability.chart import unstable_multipliers
+from controller.stability.plant import SQRT2
+from controller.stability.swing import Flags, Loops, Swings, swings
+
+SMALL, LONGER = 1e-2, 16.0  # start (of alpha), and length, of the runs that tell why
+CAUSES = {
+    "": "run and theory agree",
+    "hard": "a swing keeps itself up beside a stable rest: let go at 0.01 alpha the piston comes to rest",
+    "saturated": "the same, and without the valve's limit it would die away",
+    "level": "the run ended at another common pressure, about which theory, too, says stable",
+    "slow": "too near the edge for the length of the run: sixteen times longer it agrees",
+    "damped": "the piston came home with the valve open, which damped its swing to nearly nothing; let go at 0.01 alpha, "
+    "where the run is by now, the swing grows as theory says",
+    "unexplained": "none of these",
+}
+
+
+def oscillates_by_theory(loops: Loops, gamma: ArrayLike | None = None) -> Flags:
+    """Is a multiplier not inside the unit circle?"""
+    s, d, k, own, tau, delay = loops[:6]
+    gamma = own if gamma is None else gamma
+    outside = unstable_multipliers(s, d, k, gamma, tau, delay, loops.derivative, loops.filter_time)
+    return np.broadcast_to(outside > 0, np.broadcast_shapes(*(np.shape(value) for value in loops[:9])))
+
+
+def causes(loops: Loops, found: Swings) -> NDArray[np.str_]:
+    """For each run, a key of CAUSES."""
+    shape = found.oscillates.shape
+    flat = loops._replace(**{name: np.broadcast_to(np.asarray(v, float), shape).ravel() for name, v in _numbers(loops)})
+    theory, said = oscillates_by_theory(flat), np.full(found.oscillates.size, "", dtype="<U11")
+    for which in np.flatnonzero(theory != found.oscillates.ravel()):
+        one = flat._replace(**{name: values[which] for name, values in _numbers(flat)})
+        level = float(found.level.flat[which])
+        said[which] = _lives_on(one) if found.oscillates.flat[which] else _dies(one, level)
+    return said.reshape(shape)
+
+
+def _numbers(loops: Loops) -> list[tuple[str, np.ndarray]]:
+    return [(name, np.asarray(value)) for name, value in zip(Loops._fields[:9], loops[:9], strict=True)]
+
+
+def _lives_on(loop: Loops) -> str:
+    """Theory says stable."""
+    if not swings(loop._replace(start=SMALL)).oscillates:
+        return "hard" if swings(loop._replace(limit=np.inf)).oscillates else "saturated"
+    return "slow" if not swings(loop, LONGER).oscillates else "unexplained"
+
+
+def _dies(loop: Loops, level: float) -> str:
+    """Theory says unstable."""
+    if 0.0 < level < 1.0:
+        there = np.asarray(loop.gamma) * (np.sqrt(level) + np.sqrt(1.0 - level)) / SQRT2
+        if not oscillates_by_theory(loop, there):
+            return "level"
+    later = swings(loop, LONGER)
+    if later.oscillates:
+        return "slow"
+    faint = later.amplitude < SMALL * np.asarray(loop.alpha)
+    return "damped" if faint and swings(loop._replace(start=SMALL)).oscillates else "unexplained"
