@@ -10,7 +10,7 @@ STARTS = np.array([0.01, 1.0, 10.0, 100.0])[:, None]  # of alpha; the last is 43
 
 
 def random_loops(seed: int, count: int) -> list[Loops]:
-    """Loops with a critical gain s, neither 0 nor infinite; half of them without derivative gain, half without delay."""
+    """Loops with a critical gain s, neither 0 nor infinite; half without derivative gain, half without delay."""
     rng, loops = np.random.default_rng(seed), []
     while len(loops) < count:
         derivative = str(rng.choice(["measured", "backward", "filtered"]))

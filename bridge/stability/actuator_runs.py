@@ -9,7 +9,7 @@ from bridge.stability.drawing import Overlay, Run
 from bridge.sweep.engine import Crew, sweep
 from bridge.sweep.journal import Point
 from controller.stability.parting import causes
-from controller.stability.swing import PLAIN, Loops, swings
+from controller.stability.swing import KEPT, PLAIN, Loops, checked, swings
 
 OWN = {"alpha": PLAIN.alpha, "limit": PLAIN.limit, "start": PLAIN.start}  # what linear theory does not ask for
 NAMES = {"gain": "s", "derivative": "d", "period": "tau", "delay": "delay", "damping": "k"}  # of the chart's numbers
@@ -18,12 +18,19 @@ NAMES = {"gain": "s", "derivative": "d", "period": "tau", "delay": "delay", "dam
 def actuator_runs(
     family: Plainly, across: str, up: str, places: Sequence[tuple[float, float]], part: Path, crew: Crew
 ) -> Overlay:
-    """Run the actuator at each place (x, y) of a chart; the numbers are the family's, with those of OWN."""
+    """Run the actuator at each place (x, y) of a chart, with the family's numbers and those of OWN.
+
+    Raises ValueError where one of them cannot be.
+    """
     points = [point_of(family, {**OWN, **family.numbers, across: x, up: y}) for x, y in places]
+    for point in points:
+        checked(Loops(**point))
     found = sweep(run_of, points, {"title": "runs of the actuator"}, part, crew)
     runs = [Run(x, y, **result) for (x, y), result in zip(places, found, strict=True)]
     start = {**OWN, **family.numbers}["start"]
-    return Overlay(runs, f"runs of the nonlinear actuator, let go at rest {start:g} alpha beside its target")
+    words = f"runs of the nonlinear actuator, let go {start:g} alpha beside its target, that die away or oscillate"
+    criterion = f"in its last third the position swings by {KEPT:.0%} of the middle third or more"
+    return Overlay(runs, f"{words} ({criterion})", ("omega", "L"))
 
 
 def point_of(family: Plainly, numbers: Mapping[str, Any]) -> Point:

@@ -35,6 +35,10 @@ class Overlay(NamedTuple):
 
     runs: Sequence[Run]
     words: str
+    units: tuple[str, str]  # of frequency and amplitude
+
+
+NOTHING = Overlay((), "", ("", ""))
 
 
 def write(chart: Chart, overlay: Overlay, base: Path) -> list[Path]:
@@ -124,7 +128,7 @@ def html(chart: Chart, overlay: Overlay) -> str:
         "total": chart.total.tolist(),
         "size": np.round(chart.excess + 1.0, 6).tolist(),
         "angle": np.round(chart.angle, 6).tolist(),
-        "runs": [[run.x, run.y, int(run.oscillates), _run_words(run)] for run in overlay.runs],
+        "runs": [[run.x, run.y, int(run.oscillates), _run_words(run, overlay.units)] for run in overlay.runs],
         "parted": [int(bool(run.cause)) for run in overlay.runs],
         "colours": COLOURS,
         "words": [_outside_words(n) for n in range(len(COLOURS))],
@@ -132,13 +136,19 @@ def html(chart: Chart, overlay: Overlay) -> str:
     return (
         PAGE.replace("@TITLE@", text(f"Stability of the sampled loop: {chart.about}"))
         .replace(
-            "@RUNS@", text(f"Dots and crosses: {overlay.words}, that die away or oscillate." if overlay.runs else "")
+            "@RUNS@",
+            text(
+                f"Dots and crosses: {overlay.words}. A ring: run and theory part; point at it for the cause."
+                if overlay.runs
+                else ""
+            ),
         )
         .replace("@DATA@", json.dumps(data).replace("</", "<\\/"))
     )
 
 
-def _run_words(run: Run) -> str:
-    swing = f"oscillates at {run.frequency:.4g}, amplitude {run.amplitude:.3g}" if run.oscillates else "dies away"
+def _run_words(run: Run, units: tuple[str, str]) -> str:
+    swing = f"oscillates at {run.frequency:.4g} {units[0]}, amplitude {run.amplitude:.3g} {units[1]}"
+    swing = swing if run.oscillates else "dies away"
     limit = f", the valve at its limit for {100.0 * run.saturated:.0f} % of the samples" if run.saturated else ""
     return f"{swing}{limit}{f'. It parts from theory: {CAUSES[run.cause]}' if run.cause else ''}"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from bridge.scenario import load
 from bridge.stability.actuator_runs import OWN, actuator_runs
 from bridge.stability.chart import AXES, RANGES, Family, OfRig, Plainly, chart
-from bridge.stability.drawing import Overlay, write
+from bridge.stability.drawing import NOTHING, write
 from bridge.stability.runs import twin_runs
 from bridge.sweep.engine import Crew
 
@@ -56,7 +56,7 @@ def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> l
     drawn = chart(family, wanted.across, wanted.up, x, y)
     places = [(a, b) for a in inner(x, wanted.runs) for b in inner(y, wanted.runs)]
     part, crew = output.with_name(f"{output.name}.part"), Crew(workers, scheduler)
-    overlay = Overlay((), "")
+    overlay = NOTHING
     if scenario is not None and places:
         overlay = twin_runs(scenario, wanted.across, wanted.up, places, part, crew)
     elif wanted.simulate and places:

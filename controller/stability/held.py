@@ -85,7 +85,7 @@ def step_by(w, width, size, u, plant: Held, stages, trial):
 def hold(w, width, u, begin, duration, size, plant: Held, stages, trial, seen: Seen):
     """Follow w, in place, for a duration from the time `begin` at the command u, with steps of about `size` at first.
 
-    Returns the size for the steps to come; 0.0 where the piston leaves |y1| < 1; -1.0 where steps vanish.
+    Returns the size for the steps to come; 0.0 where steps vanish.
     """
     time = 0.0
     derive(w, stages[0], width, u, plant)
@@ -93,13 +93,11 @@ def hold(w, width, u, begin, duration, size, plant: Held, stages, trial, seen: S
         rest = duration - time
         step = rest / math.ceil(rest / min(size, LONGEST))
         error = step_by(w, width, step, u, plant, stages, trial)
-        if not error <= 1.0:
-            size = step * (max(0.1, 0.9 * error**-0.2) if error < math.inf else 0.1)
+        if not (error <= 1.0 and abs(trial[0]) < 1.0):
+            size = step * (max(0.1, 0.9 * error**-0.2) if 1.0 < error < math.inf else 0.1)
             if size < SHORTEST:
-                return -1.0
+                return 0.0
             continue
-        if not abs(trial[0]) < 1.0:
-            return 0.0
         if w[0] < 0.0 <= trial[0]:
             passed = begin + time + step * w[0] / (w[0] - trial[0])
             seen.passages[1] = passed if seen.passages[0] == 0.0 else seen.passages[1]

@@ -11,16 +11,16 @@ from controller.stability.chart import unstable_multipliers
 from controller.stability.plant import SQRT2
 from controller.stability.swing import Flags, Loops, Swings, swings
 
-SMALL, LONGER = 1e-2, 16.0  # start (of alpha), and length, of the runs that tell why
+SMALL, LONGER, WIDER = 1e-2, 16.0, 10.0  # start (of alpha), length and limit of the runs that tell why
 CAUSES = {
     "": "run and theory agree",
     "hard": "a swing keeps itself up beside a stable rest: let go at 0.01 alpha the piston comes to rest",
-    "saturated": "the same, and without the valve's limit it would die away",
+    "saturated": "the same, and with a valve ten times as wide it would die away",
     "level": "the run ended at another common pressure, about which theory, too, says stable",
     "slow": "too near the edge for the length of the run: sixteen times longer it agrees",
-    "damped": "the piston came home with the valve open, which damped its swing to nearly nothing; let go at 0.01 alpha, "
-    "where the run is by now, the swing grows as theory says",
-    "unexplained": "none of these",
+    "damped": "the piston came home with the valve open, which damped its swing to next to nothing; let go at 0.01 "
+    "alpha it swings as theory says",
+    "unexplained": "none of the causes that are tried",
 }
 
 
@@ -40,7 +40,8 @@ def causes(loops: Loops, found: Swings) -> NDArray[np.str_]:
     for which in np.flatnonzero(theory != found.oscillates.ravel()):
         one = flat._replace(**{name: values[which] for name, values in _numbers(flat)})
         level = float(found.level.flat[which])
-        said[which] = _lives_on(one) if found.oscillates.flat[which] else _dies(one, level)
+        limited = float(found.saturated.flat[which]) > 0.0
+        said[which] = _lives_on(one, limited) if found.oscillates.flat[which] else _dies(one, level)
     return said.reshape(shape)
 
 
@@ -48,10 +49,11 @@ def _numbers(loops: Loops) -> list[tuple[str, np.ndarray]]:
     return [(name, np.asarray(value)) for name, value in zip(Loops._fields[:9], loops[:9], strict=True)]
 
 
-def _lives_on(loop: Loops) -> str:
+def _lives_on(loop: Loops, limited: bool) -> str:
     """Theory says stable."""
     if not swings(loop._replace(start=SMALL)).oscillates:
-        return "hard" if swings(loop._replace(limit=np.inf)).oscillates else "saturated"
+        wider = loop._replace(limit=WIDER * np.asarray(loop.limit))
+        return "saturated" if limited and not swings(wider).oscillates else "hard"
     return "slow" if not swings(loop, LONGER).oscillates else "unexplained"
 
 

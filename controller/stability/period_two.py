@@ -71,7 +71,7 @@ def softness(plant: Held, loop: Sampled) -> float:
 
 
 def orbits(plant: Held, loop: Sampled, first: float = FIRST, longest: float = LONGEST) -> Iterator[Orbit]:
-    """The branch of orbits from the flip on, whatever its s; ends where the piston comes to an end, or none is found.
+    """The branch of orbits from the flip on, whatever its s; ends where no more are found.
 
     `loop.s` is not used. Raises ValueError where the loop has no flip, ArithmeticError where even the first orbit is
     not found.

@@ -18,8 +18,8 @@ from controller.stability.sampled import DERIVATIVES
 from twin.kernel import allocating_kernel, kernel
 
 ALPHA = 0.0043  # of the source's digital charts, Figs 5.8 to 5.19
-TOLERANCE = 1e-7  # of a step, in units of the supply pressure; 1e-9 moves no swing by more than 1e-5 of itself, and costs twice as much
-WENT, END, LOST = 0, 1, 2  # how a run came out: to its end; the piston to an end of the cylinder; steps vanished
+TOLERANCE = 1e-7  # of a step, in supply pressures; 1e-9 moves a swing by 1e-5 of itself and costs twice as much
+WENT, LOST = 0, 1  # how a run came out: to its end; its steps vanished
 
 
 class Sampled(NamedTuple):
@@ -44,12 +44,12 @@ class Tally(NamedTuple):
 
 
 class Course(NamedTuple):
-    """A run, sample by sample; rows after `outcome` other than WENT are missing."""
+    """A run, sample by sample; rows that a run did not come to are NaN."""
 
     time: Array  # (n + 1,)
     states: Array  # (n + 1, 4) at the samples
     commands: Array  # (n,) given there
-    outcome: int  # WENT | END | LOST
+    outcome: int  # WENT | LOST
 
 
 def controller(
@@ -144,8 +144,8 @@ def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: T
             younger = pending[max(past - 1, 0)]
             rest = (1.0 - share) * loop.tau
             size = hold(w, STATE, younger, begin + share * loop.tau, rest, size, plant, stages, trial, of_third)
-        if size <= 0.0:
-            return END if size == 0.0 else LOST
+        if size == 0.0:
+            return LOST
     if len(states):
         states[periods] = w
     seen.level[0] = 0.5 * (w[2] + w[3])

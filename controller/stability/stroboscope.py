@@ -63,7 +63,7 @@ def command(x: Array, loop: Sampled) -> tuple[float, Array, float]:
 
 
 def period(x: Array, plant: Held, loop: Sampled) -> tuple[Array, Array, Array]:
-    """x one sampling period later, and its derivatives by x (n, n) and by s (n,). ArithmeticError at an end."""
+    """x a sampling period later, and its derivatives by x (n, n) and by s (n,). ArithmeticError where steps vanish."""
     n, past = len(x), past_of(loop)
     u, by_x, by_s = command(x, loop)
     commands, gradients = np.array([u, *x[4 : 4 + past]]), np.vstack([by_x, np.eye(n)[4 : 4 + past]])
@@ -87,6 +87,6 @@ def flown(y: Array, u: float, duration: float, plant: Held) -> tuple[Array, Arra
     row[:4], row[4:] = y, np.eye(4, 5).ravel()
     seen = Seen(np.zeros(2), np.zeros(3))
     size = hold(row, WHOLE, u, 0.0, duration, LONGEST, plant, np.empty((7, WHOLE)), np.empty(WHOLE), seen)
-    if size <= 0.0:
-        raise ArithmeticError("the piston comes to an end of the cylinder" if size == 0.0 else "steps vanish")
+    if size == 0.0:
+        raise ArithmeticError("steps vanish")
     return row[:4], row[4:].reshape(4, 5)

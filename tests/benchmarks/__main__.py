@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tests.benchmarks import lines, loop, plant, recorder, relief, replay, start, sweeps, timing, view
+from tests.benchmarks import lines, loop, plant, recorder, relief, replay, simulated_loops, start, sweeps, timing, view
 
 SECTIONS = {
     "plant": plant.rows,
@@ -20,6 +20,7 @@ SECTIONS = {
     "start": start.rows,
     "view": view.rows,
     "sweeps": sweeps.rows,
+    "simulated": simulated_loops.rows,
 }
 
 
