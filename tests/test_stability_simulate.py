@@ -113,10 +113,11 @@ def test_random_loops_swing_on_the_side_of_the_edge_that_theory_says():
     """Let go at 0.01 alpha, 3 % and 10 % beside their critical gain; also how often samples change sides."""
     for loop in random_loops(7, 10):
         at = loop._replace(s=SIDES * loop.s, start=0.01)
-        found, numbers = swings(at), (loop.d, loop.k, loop.gamma, loop.tau, loop.delay)
+        found, numbers = swings(at), [float(np.asarray(value)) for value in loop[1:6]]
+        d, k, gamma, tau, delay = numbers
         np.testing.assert_array_equal(found.oscillates, [False, False, True, True], str(numbers))
-        sampled = controller(0.0, loop.d, loop.tau, loop.delay, loop.derivative, loop.filter_time)
-        onset = loop_onset(linear_loop(linear_actuator(loop.k, loop.gamma), sampled), loop.d)
+        sampled = controller(0.0, d, tau, delay, loop.derivative, loop.filter_time)
+        onset = loop_onset(linear_loop(linear_actuator(k, gamma), sampled), d)
         assert onset is not None
         assert onset.gain == pytest.approx(loop.s, rel=1e-6)
         assert found.angle[2] == pytest.approx(onset.angle, rel=0.1), numbers

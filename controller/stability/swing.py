@@ -76,12 +76,13 @@ def swings(loops: Loops, longer: float = 1.0, laminar: float = 0.0) -> Swings:
         again = _judged(rows[falling], periods[falling], loops.derivative == "measured", kept, laminar)
         for old, new in zip(found, again, strict=True):
             old[falling] = new
-    return Swings(*(part.reshape(numbers[0].shape) for part in found))
+    return Swings._make(part.reshape(numbers[0].shape) for part in found)
 
 
 def _judged(rows: Array, periods: NDArray[np.int64], measured: bool, kept: float, laminar: float) -> Swings:
-    seen = Tally(*(np.zeros((len(rows), 3, width)) for width in (2, 3, 3)), np.zeros((len(rows), 1)))
-    outcome, none = np.zeros(len(rows), np.int64), (np.empty((0, 4)), np.empty(0))
+    n = len(rows)
+    seen = Tally(np.zeros((n, 3, 2)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((n, 1)))
+    outcome, none = np.zeros(n, np.int64), (np.empty((0, 4)), np.empty(0))
     run_all(rows, periods, measured, kept, float(laminar), TOLERANCE, none, seen, outcome)
     if np.any(outcome == LOST):
         row = dict(zip(ORDER, rows[np.argmax(outcome == LOST)].tolist(), strict=True))
