@@ -18,17 +18,18 @@ STRAIGHT = 0.9  # cosine between neighbouring tangents
 
 def corrected(z: Array, t: Array, equations: Equations) -> Array:
     """The solution on the plane through z across t. Raises ArithmeticError where Newton finds none."""
-    start = z
+    start, worst = z, np.inf
     for _ in range(TURNS):
-        left, slopes = equations(z)
-        left = np.append(left, t @ (z - start))
-        if np.abs(left).max() < SMALL:
+        residual, slopes = equations(z)
+        left = np.append(residual, t @ (z - start))
+        worst = np.abs(left).max()
+        if worst < SMALL:
             return z
         try:
             z = z - np.linalg.solve(np.vstack([slopes, t]), left)
         except np.linalg.LinAlgError:
             break
-    raise ArithmeticError(f"Newton's method leaves {np.abs(left).max():.1e} after {TURNS} steps")
+    raise ArithmeticError(f"Newton's method leaves {worst:.1e} after {TURNS} steps")
 
 
 def tangent(z: Array, along: Array, equations: Equations) -> Array:

@@ -98,7 +98,7 @@ def simulate(
     states, commands = np.full((periods + 1, 4), np.nan), np.full(periods, np.nan)
     plant = Held(Actuator(*map(float, actuator)), float(laminar), float(tolerance))
     outcome = follow(np.array(start, float), plant, loop, periods, states, commands, tally())
-    return Course(np.arange(periods + 1) * loop.tau, states, commands, outcome)
+    return Course(loop.tau * np.arange(periods + 1.0), states, commands, outcome)
 
 
 def tally() -> Tally:

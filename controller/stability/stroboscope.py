@@ -36,7 +36,7 @@ def scale_of(loop: Sampled, plant: Held) -> Array:
 
 def mirrored(x: Array) -> Array:
     """The same point of the motion seen from the other side."""
-    return np.concatenate([mirror(x[:4]), -x[4:]])
+    return np.array([*mirror(x[:4]), *-x[4:]])
 
 
 def velocity_row(loop: Sampled) -> Array:
@@ -77,8 +77,8 @@ def period(x: Array, plant: Held, loop: Sampled) -> tuple[Array, Array, Array]:
             of_s = flow[:, :4] @ of_s + flow[:, 4] * slopes[which]
     row, tail = velocity_row(loop), n - 4 - past
     memory, keeps = np.array([x[0], row @ x])[:tail], np.vstack([np.eye(n)[0], row])[:tail]
-    after = np.concatenate([y, commands[:past], memory])
-    return after, np.vstack([of_x, gradients[:past], keeps]), np.concatenate([of_s, slopes[:past], np.zeros(tail)])
+    after, by_s_after = np.array([*y, *commands[:past], *memory]), np.array([*of_s, *slopes[:past], *np.zeros(tail)])
+    return after, np.array([*of_x, *gradients[:past], *keeps], float), by_s_after
 
 
 def flown(y: Array, u: float, duration: float, plant: Held) -> tuple[Array, Array]:
