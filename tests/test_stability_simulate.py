@@ -12,7 +12,8 @@ from controller.stability.held import LONGEST, STATE, Held, step_by
 from controller.stability.parting import causes, oscillates_by_theory
 from controller.stability.period_two import linear_loop
 from controller.stability.plant import linear_actuator
-from controller.stability.simulate import WENT, controller, simulate
+from controller.stability.simulate import END, WENT, controller, displaced, simulate
+from controller.stability.stiff import stiff_step_by
 from controller.stability.stroboscope import mirrored, period, width_of
 from controller.stability.swing import KEPT, PLAIN, swings
 from tests.random_loops import SIDES, random_loops
@@ -136,6 +137,37 @@ def test_a_valve_at_its_limit_is_counted():
     assert found.saturated[0] == 0.0
     assert 0.5 < found.saturated[1] < 1.0
     assert found.oscillates[1]
+
+
+def test_a_piston_runs_into_the_end_with_the_valve_open():
+    """Soft oil, late: what the shut chamber would catch flows out. It counts as oscillating."""
+    loop = PLAIN._replace(s=0.295, d=0.629, tau=6.69, delay=0.963, gamma=0.814, k=0.0287, alpha=0.2, start=0.01)
+    found = swings(loop)
+    assert found.ends
+    assert found.oscillates
+    assert found.amplitude == 1.0
+    run = simulate(displaced(0.002), Actuator(0.2, 0.814, 0.0287), controller(0.295, 0.629, 6.69, 0.963), 400)
+    assert run.outcome == END
+    assert np.isnan(run.states[-1]).all()
+
+
+def test_a_wide_swing_with_a_stiff_valve_is_what_scipy_integrates():
+    """The valve at its limit most of the time: chambers settle up to a thousand times faster than the piston moves."""
+    case = Case(5.0, 0.0, PLANT.k, PLANT.gamma, 20.0, 0.0, "measured", None)
+    limited = lambda z, u, time: by_scipy(z, float(np.clip(u, -1.0, 1.0)), time)  # noqa: E731
+    states, _, _ = course(case, displaced(0.3), np.zeros(1), None, 3, limited)
+    run = simulate(displaced(0.3), PLANT, controller(5.0, 0.0, 20.0), 3, tolerance=1e-9)
+    assert run.states == pytest.approx(states, abs=1e-6)
+
+
+def test_a_stiff_step_is_of_fourth_order():
+    """Half the step, a 32nd of a step's error."""
+    errors = []
+    for size in (0.0125, 0.00625):
+        trial = np.zeros(STATE)
+        stiff_step_by(SMOOTH.copy(), size, -0.05, FINE, np.zeros((7, STATE)), trial)
+        errors.append(np.abs(trial - by_scipy(SMOOTH, -0.05, size)).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(5.0, abs=0.3)
 
 
 def test_oil_stops_the_piston_before_the_end_of_the_cylinder():

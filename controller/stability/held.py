@@ -1,7 +1,8 @@
 """The actuator while its command is held: where it goes, and how that depends on where it was and on the command.
 
-Dormand and Prince's pair 5(4). A step is bounded by its error, which is absolute in units of the supply pressure, and
-by LONGEST, so that a swing much smaller than the tolerance keeps its size, too. The variational equations may go along.
+Dormand and Prince's pair 5(4); Rodas, 4(3), where a wide open valve makes that stiff. A step is bounded by its error,
+absolute in supply pressures, and by LONGEST, so that a swing much smaller than the tolerance keeps its size,
+too. The variational equations may go along, then always explicitly.
 """
 
 import math
@@ -11,11 +12,13 @@ import numpy as np
 
 from controller.stability.actuator import Actuator, rates, root, root_slope
 from controller.stability.arc import ERROR, STAGES
+from controller.stability.stiff import relaxation, stiff_step_by
 from twin.kernel import inlined, kernel
 
 STATE = 4  # width of a row: y alone
 WHOLE = 24  # y, then d y/d(y0, u) row by row, (4, 5)
 LONGEST = 0.2  # of a step [1/omega]: the oil spring, sqrt2, keeps its swing to 1.4e-7 a step, (sqrt2 h)^6/3600
+STIFF = 2.0  # times the pressures' own rate, beyond which a step is not explicit; 3.3 is where that one ends
 SHORTEST = 1e-12  # what a step may shrink to before the run is given up
 
 
@@ -87,14 +90,21 @@ def hold(w, width, u, begin, duration, size, plant: Held, stages, trial, seen: S
 
     Returns the size for the steps to come; 0.0 where steps vanish.
     """
-    time = 0.0
-    derive(w, stages[0], width, u, plant)
+    time, fresh = 0.0, False  # fresh: stages[0] has the rates at w
     while time < duration:
         rest = duration - time
         step = rest / math.ceil(rest / min(size, LONGEST))
-        error = step_by(w, width, step, u, plant, stages, trial)
+        own3, own4 = relaxation(w, u, plant)
+        stiff = width == 4 and step * max(-own3, -own4) > STIFF
+        if stiff:
+            error, power = stiff_step_by(w, step, u, plant, stages, trial), -0.25
+        else:
+            if not fresh:
+                derive(w, stages[0], width, u, plant)
+            error, power = step_by(w, width, step, u, plant, stages, trial), -0.2
+        fresh = not stiff
         if not (error <= 1.0 and abs(trial[0]) < 1.0):
-            size = step * (max(0.1, 0.9 * error**-0.2) if 1.0 < error < math.inf else 0.1)
+            size = step * (max(0.1, 0.9 * error**power) if 1.0 < error < math.inf else 0.1)
             if size < SHORTEST:
                 return 0.0
             continue
@@ -105,8 +115,8 @@ def hold(w, width, u, begin, duration, size, plant: Held, stages, trial, seen: S
             seen.passages[2] = passed
         time = duration if step == rest else time + step
         for n in range(width):
-            w[n], stages[0, n] = trial[n], stages[6, n]
+            w[n], stages[0, n] = trial[n], stages[6, n]  # the last stage of an explicit step is the first of the next
         seen.extremes[0] = min(seen.extremes[0], w[0])
         seen.extremes[1] = max(seen.extremes[1], w[0])
-        size = step * max(0.2, min(5.0, 0.9 * max(error, 1e-10) ** -0.2))
+        size = step * max(0.2, min(5.0, 0.9 * max(error, 1e-10) ** power))
     return size

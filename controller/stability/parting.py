@@ -11,10 +11,11 @@ from controller.stability.chart import unstable_multipliers
 from controller.stability.plant import SQRT2
 from controller.stability.swing import Flags, Loops, Swings, swings
 
-SMALL, LONGER, WIDER = 1e-2, 16.0, 10.0  # start (of alpha), length and limit of the runs that tell why
+SMALL = 1e-2, 1e-4, 1e-6  # of alpha, starts of the runs that tell why
+LONGER, WIDER = 16.0, 10.0  # times their length, their limit
 CAUSES = {
     "": "run and theory agree",
-    "hard": "a swing keeps itself up beside a stable rest: let go at 0.01 alpha the piston comes to rest",
+    "hard": "a swing keeps itself up beside a stable rest: let go nearer to its target the piston comes to rest",
     "saturated": "the same, and with a valve ten times as wide it would die away",
     "level": "the run ended at another common pressure, about which theory, too, says stable",
     "slow": "too near the edge for the length of the run: sixteen times longer it agrees",
@@ -51,7 +52,7 @@ def _numbers(loops: Loops) -> list[tuple[str, np.ndarray]]:
 
 def _lives_on(loop: Loops, limited: bool) -> str:
     """Theory says stable."""
-    if not swings(loop._replace(start=SMALL)).oscillates:
+    if not swings(loop._replace(start=SMALL)).oscillates.all():
         wider = loop._replace(limit=WIDER * np.asarray(loop.limit))
         return "saturated" if limited and not swings(wider).oscillates else "hard"
     return "slow" if not swings(loop, LONGER).oscillates else "unexplained"
@@ -66,5 +67,5 @@ def _dies(loop: Loops, level: float) -> str:
     later = swings(loop, LONGER)
     if later.oscillates:
         return "slow"
-    faint = later.amplitude < SMALL * np.asarray(loop.alpha)
-    return "damped" if faint and swings(loop._replace(start=SMALL)).oscillates else "unexplained"
+    faint = later.amplitude < SMALL[0] * np.asarray(loop.alpha)
+    return "damped" if faint and swings(loop._replace(start=SMALL[0])).oscillates else "unexplained"

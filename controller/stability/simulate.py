@@ -19,7 +19,8 @@ from twin.kernel import allocating_kernel, kernel
 
 ALPHA = 0.0043  # of the source's digital charts, Figs 5.8 to 5.19
 TOLERANCE = 1e-7  # of a step, in supply pressures; 1e-9 moves a swing by 1e-5 of itself and costs twice as much
-WENT, LOST = 0, 1  # how a run came out: to its end; its steps vanished
+WENT, END, LOST = 0, 1, 2  # how a run came out: to its end; the piston to that of the cylinder; its steps vanished
+NEAR_END = 0.999  # chamber lengths: where steps vanish beyond it, the piston runs into the end with the valve open
 
 
 class Sampled(NamedTuple):
@@ -49,7 +50,7 @@ class Course(NamedTuple):
     time: Array  # (n + 1,)
     states: Array  # (n + 1, 4) at the samples
     commands: Array  # (n,) given there
-    outcome: int  # WENT | LOST
+    outcome: int  # WENT | END | LOST
 
 
 def controller(
@@ -145,7 +146,7 @@ def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: T
             rest = (1.0 - share) * loop.tau
             size = hold(w, STATE, younger, begin + share * loop.tau, rest, size, plant, stages, trial, of_third)
         if size == 0.0:
-            return LOST
+            return END if abs(w[0]) > NEAR_END else LOST
     if len(states):
         states[periods] = w
     seen.level[0] = 0.5 * (w[2] + w[3])

@@ -2,7 +2,7 @@
 
 The piston starts at rest, displaced. The run, PERIODS sampling periods or LASTING units of time, whichever is longer,
 is cut into thirds. The loop oscillates if in the last third the position goes up and down, peak to peak, by no less
-than KEPT of what it did in the middle third. It is stable if the swing has fallen below FALLEN of the middle third's.
+than KEPT of what it did in the middle third, or if the piston comes to an end of the cylinder. It is stable if the swing has fallen below FALLEN of the middle third's.
 Between both, it may still be falling to a swing that stays: it is run again, four times as long, and after LENGTHENED
 times counts as stable. No noise hides a swing here, so it counts however small it is; FLOOR is but rounding. So the
 answer is that of the sign of the growth, within ln(KEPT) over a third of the run.
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from controller.stability.actuator import Actuator
 from controller.stability.held import Held
 from controller.stability.plant import Array
-from controller.stability.simulate import ALPHA, LOST, TOLERANCE, Sampled, Tally, controller, follow, kept_of
+from controller.stability.simulate import ALPHA, END, LOST, TOLERANCE, Sampled, Tally, controller, follow, kept_of
 from twin.kernel import allocating_kernel
 
 PERIODS, LASTING = 300, 600.0  # sampling periods; 1/omega, some 130 swings of the oil spring
@@ -51,8 +51,9 @@ class Swings(NamedTuple):
     """What runs did, arrays of one shape."""
 
     oscillates: Flags
-    amplitude: Array  # half of peak to peak, last third, in chamber lengths
-    growth: Array  # swing of the last third over that of the middle one
+    ends: Flags  # the piston came to an end of the cylinder; there the run is over
+    amplitude: Array  # half of peak to peak, last third, in chamber lengths; 1.0 at an end
+    growth: Array  # swing of the last third over that of the middle one; inf at an end
     angle: Array  # [rad per sampling period], 0 .. pi: by how often samples change sides; compare |arg mu|
     frequency: Array  # [rad omega], of the position itself, by its upward passages of the middle; 0.0 without two
     saturated: Array  # share of the last third's samples that found the valve at its limit
@@ -87,7 +88,7 @@ def _judged(rows: Array, periods: NDArray[np.int64], measured: bool, kept: float
     if np.any(outcome == LOST):
         row = dict(zip(ORDER, rows[np.argmax(outcome == LOST)].tolist(), strict=True))
         raise RuntimeError(f"the steps of a run vanished: {row}; set `laminar`")
-    return judge(seen, rows[:, ORDER.index("alpha")])
+    return judge(seen, outcome == END, rows[:, ORDER.index("alpha")])
 
 
 def checked(loops: Loops) -> float:
@@ -119,14 +120,14 @@ def run_all(rows, periods, measured, kept, laminar, tolerance, plain, seen: Tall
         outcome[i] = follow(y, plant, loop, periods[i], plain[0], plain[1], of_run)
 
 
-def judge(seen: Tally, alpha: Array) -> Swings:
+def judge(seen: Tally, ends: Flags, alpha: Array) -> Swings:
     """The criterion."""
-    swing = seen.extremes[..., 1] - seen.extremes[..., 0]
+    swing = np.where(ends[:, None], 2.0, seen.extremes[..., 1] - seen.extremes[..., 0])
     samples, turned, limited = np.moveaxis(seen.turns[:, 2], -1, 0)
     count, first, last = np.moveaxis(seen.passages[:, 2], -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        growth = np.nan_to_num(swing[:, 2] / swing[:, 1], nan=0.0)
+        growth = np.where(ends, np.inf, np.nan_to_num(swing[:, 2] / swing[:, 1], nan=0.0))
         frequency = np.where(count > 1.0, 2.0 * np.pi * (count - 1.0) / (last - first), 0.0)
+        angle, saturated = (np.nan_to_num(part / samples) for part in (np.pi * turned, limited))
     oscillates = (swing[:, 2] >= FLOOR * alpha) & (growth >= KEPT)
-    angle, saturated = np.pi * turned / samples, limited / samples
-    return Swings(oscillates, 0.5 * swing[:, 2], growth, angle, frequency, saturated, seen.level[:, 0])
+    return Swings(oscillates, ends, 0.5 * swing[:, 2], growth, angle, frequency, saturated, seen.level[:, 0])
