@@ -15,7 +15,7 @@ from controller.stability.parting import CAUSES
 
 COLOURS = ("#cfe3d4", "#f6d9a8", "#eeb08f", "#d98a86", "#b9677c")  # none, one, two .. multipliers outside
 GOOD, BAD, RING = "#1f6b39", "#a3231f", "#1c2430"
-RINGS = {"hard": "o", "saturated": "s", "level": "D", "slow": "v", "damped": "^", "unexplained": "p"}
+RINGS = {"hard": "o", "saturated": "s", "slow": "v", "damped": "^", "unexplained": "p"}
 
 
 class Run(NamedTuple):

@@ -34,7 +34,7 @@ class Seen(NamedTuple):
     """What a stretch of a run showed; arrays of one number, or two, to be filled."""
 
     extremes: np.ndarray  # lowest and highest position
-    passages: np.ndarray  # upward through the middle: how many, when the first, when the last
+    passages: np.ndarray  # upward through a position: how many, when the first, the last; and that position
 
 
 @inlined
@@ -108,8 +108,8 @@ def hold(w, width, u, begin, duration, size, plant: Held, stages, trial, seen: S
             if size < SHORTEST:
                 return 0.0
             continue
-        if w[0] < 0.0 <= trial[0]:
-            passed = begin + time + step * w[0] / (w[0] - trial[0])
+        if w[0] < seen.passages[3] <= trial[0]:
+            passed = begin + time + step * (seen.passages[3] - w[0]) / (trial[0] - w[0])
             seen.passages[1] = passed if seen.passages[0] == 0.0 else seen.passages[1]
             seen.passages[0] += 1.0
             seen.passages[2] = passed

@@ -1,14 +1,12 @@
 """Where runs of the whole actuator and linear theory part, and why: by further runs, not by opinion.
 
-Linear theory is that of the smallest swing about (0, 0, 1/2, 1/2). With the valve shut any common pressure p is a rest;
-about it the actuator is that of gamma (sqrt p + sqrt(1 - p))/sqrt2, (5.24), so 1/2 oscillates first.
+Linear theory is that of the smallest swing about (0, 0, 1/2, 1/2).
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from controller.stability.chart import unstable_multipliers
-from controller.stability.plant import SQRT2
 from controller.stability.swing import Flags, Loops, Swings, swings
 
 SMALL = 1e-2, 1e-4, 1e-6  # of alpha, starts of the runs that tell why
@@ -17,7 +15,6 @@ CAUSES = {
     "": "run and theory agree",
     "hard": "a swing keeps itself up beside a stable rest: let go nearer to its target the piston comes to rest",
     "saturated": "the same, and with a valve ten times as wide it would die away",
-    "level": "the run ended at another common pressure, about which theory, too, says stable",
     "slow": "too near the edge for the length of the run: sixteen times longer it agrees",
     "damped": "the piston came home with the valve open, which damped its swing to next to nothing; let go at 0.01 "
     "alpha it swings as theory says",
@@ -25,11 +22,9 @@ CAUSES = {
 }
 
 
-def oscillates_by_theory(loops: Loops, gamma: ArrayLike | None = None) -> Flags:
+def oscillates_by_theory(loops: Loops) -> Flags:
     """Is a multiplier not inside the unit circle?"""
-    s, d, k, own, tau, delay = loops[:6]
-    gamma = own if gamma is None else gamma
-    outside = unstable_multipliers(s, d, k, gamma, tau, delay, loops.derivative, loops.filter_time)
+    outside = unstable_multipliers(*loops[:6], loops.derivative, loops.filter_time)
     return np.broadcast_to(outside > 0, np.broadcast_shapes(*(np.shape(value) for value in loops[:9])))
 
 
@@ -40,9 +35,8 @@ def causes(loops: Loops, found: Swings) -> NDArray[np.str_]:
     theory, said = oscillates_by_theory(flat), np.full(found.oscillates.size, "", dtype="<U11")
     for which in np.flatnonzero(theory != found.oscillates.ravel()):
         one = flat._replace(**{name: values[which] for name, values in _numbers(flat)})
-        level = float(found.level.flat[which])
         limited = float(found.saturated.flat[which]) > 0.0
-        said[which] = _lives_on(one, limited) if found.oscillates.flat[which] else _dies(one, level)
+        said[which] = _lives_on(one, limited) if found.oscillates.flat[which] else _dies(one)
     return said.reshape(shape)
 
 
@@ -58,12 +52,8 @@ def _lives_on(loop: Loops, limited: bool) -> str:
     return "slow" if not swings(loop, LONGER).oscillates else "unexplained"
 
 
-def _dies(loop: Loops, level: float) -> str:
+def _dies(loop: Loops) -> str:
     """Theory says unstable."""
-    if 0.0 < level < 1.0:
-        there = np.asarray(loop.gamma) * (np.sqrt(level) + np.sqrt(1.0 - level)) / SQRT2
-        if not oscillates_by_theory(loop, there):
-            return "level"
     later = swings(loop, LONGER)
     if later.oscillates:
         return "slow"

@@ -39,9 +39,8 @@ class Tally(NamedTuple):
     """What the thirds of a run showed, arrays of three rows."""
 
     extremes: Array  # (3, 2) lowest and highest position
-    passages: Array  # (3, 3) upward through the middle: how many, first, last
-    turns: Array  # (3, 3) of the samples: how many, how often their sign changed, how many found the valve at its limit
-    level: Array  # (1,) mean of both pressures at the end
+    passages: Array  # (3, 4) upward through the middle of the third before: how many, first, last; and that middle
+    turns: Array  # (3, 3) of the samples: how many, how often they changed sides of it, how many met the valve's limit
 
 
 class Course(NamedTuple):
@@ -104,7 +103,7 @@ def simulate(
 
 def tally() -> Tally:
     """An empty one."""
-    return Tally(np.tile([np.inf, -np.inf], (3, 1)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(1))
+    return Tally(np.tile([np.inf, -np.inf], (3, 1)), np.zeros((3, 4)), np.zeros((3, 3)))
 
 
 @kernel
@@ -127,14 +126,18 @@ def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: T
     size, before = LONGEST, 0.0
     for i in range(periods):
         third = min(3 * i // periods, 2)
+        if i > 0 and third > min(3 * (i - 1) // periods, 2):
+            before = 0.0
+            seen.passages[third, 3] = 0.5 * (seen.extremes[third - 1, 0] + seen.extremes[third - 1, 1])
         for age in range(past, 0, -1):
             pending[age] = pending[age - 1]
         h = loop.s * w[0] + loop.d * estimate(w, i == 0, memory, loop)
         pending[0] = max(min(-h, loop.limit), -loop.limit)
         seen.turns[third, 0] += 1.0
-        seen.turns[third, 1] += w[0] * before < 0.0
+        side = w[0] - seen.passages[third, 3]
+        seen.turns[third, 1] += side * before < 0.0
         seen.turns[third, 2] += abs(h) > loop.limit
-        before = w[0] if w[0] != 0.0 else before
+        before = side if side != 0.0 else before
         if len(states):
             states[i], commands[i] = w, pending[0]
         of_third = Seen(seen.extremes[third], seen.passages[third])
@@ -149,5 +152,4 @@ def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: T
             return END if abs(w[0]) > NEAR_END else LOST
     if len(states):
         states[periods] = w
-    seen.level[0] = 0.5 * (w[2] + w[3])
     return WENT

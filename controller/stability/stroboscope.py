@@ -85,7 +85,7 @@ def flown(y: Array, u: float, duration: float, plant: Held) -> tuple[Array, Arra
     """y after holding u, and its derivatives by y and u, (4, 5)."""
     row = np.zeros(WHOLE)
     row[:4], row[4:] = y, np.eye(4, 5).ravel()
-    seen = Seen(np.zeros(2), np.zeros(3))
+    seen = Seen(np.zeros(2), np.zeros(4))
     size = hold(row, WHOLE, u, 0.0, duration, LONGEST, plant, np.empty((7, WHOLE)), np.empty(WHOLE), seen)
     if size == 0.0:
         raise ArithmeticError("steps vanish")

@@ -1,11 +1,12 @@
 """When a run of the whole actuator counts as oscillating: the one criterion, and runs of many loops judged by it.
 
 The piston starts at rest, displaced. The run, PERIODS sampling periods or LASTING units of time, whichever is longer,
-is cut into thirds. The loop oscillates if in the last third the position goes up and down, peak to peak, by no less
-than KEPT of what it did in the middle third, or if the piston comes to an end of the cylinder. It is stable if the swing has fallen below FALLEN of the middle third's.
-Between both, it may still be falling to a swing that stays: it is run again, four times as long, and after LENGTHENED
-times counts as stable. No noise hides a swing here, so it counts however small it is; FLOOR is but rounding. So the
-answer is that of the sign of the growth, within ln(KEPT) over a third of the run.
+is cut into thirds. The loop oscillates if in the last third the position goes up and down about the middle of what it
+did in the middle third, peak to peak by no less than KEPT of that; or if the piston comes to an end of the cylinder.
+It is stable if the swing has fallen below FALLEN of the middle third's. Otherwise it may still be on its way, or
+falling to a swing that stays: it is run again, four times as long, and after LENGTHENED times counts as stable. No
+noise hides a swing here, so it counts however small it is; FLOOR is but rounding. So the answer is that of the sign of
+the growth, within ln(KEPT) over a third of the run.
 """
 
 from typing import NamedTuple
@@ -57,7 +58,6 @@ class Swings(NamedTuple):
     angle: Array  # [rad per sampling period], 0 .. pi: by how often samples change sides; compare |arg mu|
     frequency: Array  # [rad omega], of the position itself, by its upward passages of the middle; 0.0 without two
     saturated: Array  # share of the last third's samples that found the valve at its limit
-    level: Array  # mean of both chamber pressures at the end, 0 relief, 1 supply
 
 
 def swings(loops: Loops, longer: float = 1.0, laminar: float = 0.0) -> Swings:
@@ -82,7 +82,7 @@ def swings(loops: Loops, longer: float = 1.0, laminar: float = 0.0) -> Swings:
 
 def _judged(rows: Array, periods: NDArray[np.int64], measured: bool, kept: float, laminar: float) -> Swings:
     n = len(rows)
-    seen = Tally(np.zeros((n, 3, 2)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((n, 1)))
+    seen = Tally(np.zeros((n, 3, 2)), np.zeros((n, 3, 4)), np.zeros((n, 3, 3)))
     outcome, none = np.zeros(n, np.int64), (np.empty((0, 4)), np.empty(0))
     run_all(rows, periods, measured, kept, float(laminar), TOLERANCE, none, seen, outcome)
     if np.any(outcome == LOST):
@@ -116,7 +116,7 @@ def run_all(rows, periods, measured, kept, laminar, tolerance, plain, seen: Tall
         loop = Sampled(s, d, tau, delay, measured, kept, limit)
         y = np.array([alpha * start, 0.0, 0.5, 0.5])
         seen.extremes[i, :, 0], seen.extremes[i, :, 1] = np.inf, -np.inf
-        of_run = Tally(seen.extremes[i], seen.passages[i], seen.turns[i], seen.level[i])
+        of_run = Tally(seen.extremes[i], seen.passages[i], seen.turns[i])
         outcome[i] = follow(y, plant, loop, periods[i], plain[0], plain[1], of_run)
 
 
@@ -124,10 +124,10 @@ def judge(seen: Tally, ends: Flags, alpha: Array) -> Swings:
     """The criterion."""
     swing = np.where(ends[:, None], 2.0, seen.extremes[..., 1] - seen.extremes[..., 0])
     samples, turned, limited = np.moveaxis(seen.turns[:, 2], -1, 0)
-    count, first, last = np.moveaxis(seen.passages[:, 2], -1, 0)
+    count, first, last, _ = np.moveaxis(seen.passages[:, 2], -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         growth = np.where(ends, np.inf, np.nan_to_num(swing[:, 2] / swing[:, 1], nan=0.0))
         frequency = np.where(count > 1.0, 2.0 * np.pi * (count - 1.0) / (last - first), 0.0)
-        angle, saturated = (np.nan_to_num(part / samples) for part in (np.pi * turned, limited))
-    oscillates = (swing[:, 2] >= FLOOR * alpha) & (growth >= KEPT)
-    return Swings(oscillates, ends, 0.5 * swing[:, 2], growth, angle, frequency, saturated, seen.level[:, 0])
+        angle, saturated = np.nan_to_num(np.pi * turned / (samples - 1.0)), np.nan_to_num(limited / samples)
+    oscillates = ends | ((count > 1.0) & (swing[:, 2] >= FLOOR * alpha) & (growth >= KEPT))
+    return Swings(oscillates, ends, 0.5 * swing[:, 2], growth, angle, frequency, saturated)
