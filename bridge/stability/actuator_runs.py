@@ -28,9 +28,9 @@ def actuator_runs(
     found = sweep(run_of, points, {"title": "runs of the actuator"}, part, crew)
     runs = [Run(x, y, **result) for (x, y), result in zip(places, found, strict=True)]
     start = {**OWN, **family.numbers}["start"]
-    words = f"runs of the nonlinear actuator, let go {start:g} alpha beside its target, that die away or oscillate"
-    criterion = f"in its last third the position swings by {KEPT:.0%} of the middle third or more"
-    return Overlay(runs, f"{words} ({criterion})", ("omega", "L"))
+    words = f"runs of the nonlinear actuator, let go {start:g} alpha beside its target"
+    criterion = f"A run oscillates if its last third swings by {100.0 * KEPT:.0f} % of its middle third or more"
+    return Overlay(runs, f"{words}. {criterion}", ("omega", "L"))
 
 
 def point_of(family: Plainly, numbers: Mapping[str, Any]) -> Point:

@@ -91,7 +91,8 @@ def draw(chart: Chart, overlay: Overlay) -> Any:
     label(axes, *chart.labels)
     axes.set(xlim=(chart.x[0], chart.x[-1]), ylim=(chart.y[0], chart.y[-1]))
     axes.legend(handles=keys, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    remark(page, f"Colours and line: linear theory. {f'Marks: {overlay.words}.' if overlay.runs else ''}")
+    about = f" Marks: {overlay.words}." if overlay.runs else ""
+    remark(page, f"Colours and line: linear theory.{about}".replace(". A run", ".\nA run"))
     return page
 
 
@@ -133,18 +134,12 @@ def html(chart: Chart, overlay: Overlay) -> str:
         "colours": COLOURS,
         "words": [_outside_words(n) for n in range(len(COLOURS))],
     }
-    return (
-        PAGE.replace("@TITLE@", text(f"Stability of the sampled loop: {chart.about}"))
-        .replace(
-            "@RUNS@",
-            text(
-                f"Dots and crosses: {overlay.words}. A ring: run and theory part; point at it for the cause."
-                if overlay.runs
-                else ""
-            ),
-        )
-        .replace("@DATA@", json.dumps(data).replace("</", "<\\/"))
+    marks = (
+        f"Dots die away, crosses oscillate: {overlay.words}. In a ring: run and theory part; point there for the cause."
     )
+    page = PAGE.replace("@TITLE@", text(f"Stability of the sampled loop: {chart.about}"))
+    page = page.replace("@RUNS@", text(marks) if overlay.runs else "")
+    return page.replace("@DATA@", json.dumps(data).replace("</", "<\\/"))
 
 
 def _run_words(run: Run, units: tuple[str, str]) -> str:

@@ -32,7 +32,7 @@ def twin_runs(
         Run(x, y, bool(swing["oscillates"]), swing["frequency"], swing["amplitude"], None, None)
         for (x, y), swing in results
     ]
-    return Overlay(runs, "runs of the full twin that die away or oscillate", ("Hz", "m"))
+    return Overlay(runs, "runs of the full twin", ("Hz", "m"))
 
 
 def _point(numbers: Mapping[str, float], scenario: Scenario) -> dict[str, float]:
