@@ -12,7 +12,7 @@ from bridge.report.inline import text
 from bridge.stability.chart import Chart
 from bridge.stability.page import PAGE
 
-COLOURS = ("#cfe3d4", "#f6d9a8", "#eeb08f", "#d98a86", "#b9677c")  # none, one, two .. multipliers outside
+COLOURS = ("#cfe3d4", "#f6d9a8", "#eeb08f", "#d98a86", "#b9677c")  # none, one, two .. multipliers not inside
 GOOD, BAD = "#1f6b39", "#a3231f"
 
 
@@ -32,7 +32,12 @@ def write(chart: Chart, runs: Sequence[Run], base: Path) -> list[Path]:
     draw(chart, runs).savefig(picture)
     x, y = np.meshgrid(chart.x, chart.y)
     columns = {chart.labels[0]: x, chart.labels[1]: y, "stable multipliers": chart.total - chart.outside}
-    columns |= {"of": chart.total, "outside": chart.outside, "largest less 1": chart.excess, "angle [rad]": chart.angle}
+    columns |= {
+        "of": chart.total,
+        "not inside": chart.outside,
+        "largest less 1": chart.excess,
+        "angle [rad]": chart.angle,
+    }
     _table(table, columns)
     page.write_text(html(chart, runs), encoding="utf-8")
     if not runs:
@@ -77,7 +82,7 @@ def draw(chart: Chart, runs: Sequence[Run]) -> Any:
 
 def _outside_words(count: int) -> str:
     more = " or more" if count == len(COLOURS) - 1 else ""
-    return "stable: all multipliers inside" if count == 0 else f"{count}{more} outside the unit circle"
+    return "stable: all multipliers inside" if count == 0 else f"{count}{more} on or outside the unit circle"
 
 
 def html(chart: Chart, runs: Sequence[Run]) -> str:

@@ -22,7 +22,7 @@ LOSING = 1e-10  # speeds |mu|'/|b||r| below this are no motion
 
 
 class Onset(NamedTuple):
-    """How stability is lost at a gain."""
+    """The multiplier that leaves the unit circle at a gain, or comes nearest to leaving it."""
 
     gain: float
     kind: str  # "fold" mu = 1 | "flip" mu = -1 | "Neimark-Sacker" a complex pair
@@ -35,12 +35,17 @@ def multipliers(matrix: Array) -> Spectrum:
     return np.linalg.eigvals(matrix).astype(np.complex128)
 
 
-def stable_count(matrix: Array) -> Array:
-    """How many multipliers lie inside the unit circle by more than rounding (1e-12), (...)."""
-    return (np.abs(multipliers(matrix)) < 1.0 - ON_CIRCLE).sum(axis=-1)
+def inside(mu: Spectrum) -> NDArray[np.bool_]:
+    """Which multipliers lie inside the unit circle by more than rounding: those on it do not."""
+    return np.abs(mu) < 1.0 - ON_CIRCLE
 
 
-def is_stable(matrix: Array) -> Array:
+def stable_count(matrix: Array) -> NDArray[np.intp]:
+    """How many multipliers lie inside, (...)."""
+    return inside(multipliers(matrix)).sum(axis=-1)
+
+
+def is_stable(matrix: Array) -> NDArray[np.bool_]:
     """Do all multipliers lie inside? Those on the circle do not."""
     return stable_count(matrix) == matrix.shape[-1]
 
@@ -48,7 +53,8 @@ def is_stable(matrix: Array) -> Array:
 def balanced(matrix: Array, entry: Array, row: Array) -> tuple[Array, Array, Array]:
     """The same loop in units, powers of two, that bring its numbers together: a state may be in pascal or metre."""
     whole = np.block([[matrix, entry[:, None]], [row, np.zeros(1)]])
-    whole = np.asarray(matrix_balance(whole, permute=False)[0], float)
+    with np.errstate(invalid="ignore"):  # scipy casts the scales to integers, for permutations it has not made
+        whole = np.asarray(matrix_balance(whole, permute=False)[0], float)
     return whole[:-1, :-1], whole[:-1, -1], whole[-1, :-1]
 
 
@@ -142,12 +148,15 @@ def classify(gain: float, matrix: Array, entry: Array, row: Array) -> Onset:
     """What the multiplier does that is lost at a gain; at 0.0 it is the one that any small gain drives out."""
     if gain > 0.0:
         mu = multipliers(matrix - gain * np.outer(entry, row))
-        worst = complex(mu[np.argmin(np.abs(np.abs(mu) - 1.0))])
-    else:
-        worst = _lost_at_once(*balanced(matrix, entry, row))
-    if abs(worst.imag) > 1e-7 * abs(worst):
-        return Onset(gain, "Neimark-Sacker", complex(worst.real, abs(worst.imag)), float(abs(np.angle(worst))))
-    return Onset(gain, "fold", worst, 0.0) if worst.real > 0.0 else Onset(gain, "flip", worst, float(np.pi))
+        return named(gain, complex(mu[np.argmin(np.abs(np.abs(mu) - 1.0))]))
+    return named(gain, _lost_at_once(*balanced(matrix, entry, row)))
+
+
+def named(gain: float, mu: complex) -> Onset:
+    """The kind of motion that belongs to a multiplier near the circle."""
+    if abs(mu.imag) > 1e-7 * abs(mu):
+        return Onset(gain, "Neimark-Sacker", complex(mu.real, abs(mu.imag)), float(abs(np.angle(mu))))
+    return Onset(gain, "fold", mu, 0.0) if mu.real > 0.0 else Onset(gain, "flip", mu, float(np.pi))
 
 
 def _lost_at_once(matrix: Array, entry: Array, row: Array) -> complex:
