@@ -91,33 +91,33 @@ def crossing_at(z: complex, matrix: Array, entry: Array, row: Array) -> float:
 def stable_ranges(matrix: Array, entry: Array, row: Array) -> list[tuple[float, float]]:
     """All open ranges of g > 0 in which M - g b r is stable, rising; the last may end at inf."""
     matrix, entry, row = balanced(matrix, entry, row)
-    edges = _told_apart(crossings(matrix, entry, row), matrix, entry, row)
+    mu, speeds = _starts(matrix, entry, row)
+    edges = _told_apart(crossings(matrix, entry, row), speeds, np.linalg.norm(entry) * np.linalg.norm(row))
     middles = [*(0.5 * (a + b) for a, b in pairwise(edges)), 2.0 * edges[-1] + 1.0]
-    first = _starts_stable(matrix, entry, row, middles[0])
     ranges: list[tuple[float, float]] = []
     for low, high, middle in zip(edges, [*edges[1:], np.inf], middles, strict=True):
-        if not (first if low == 0.0 else is_stable(matrix - middle * np.outer(entry, row))):
+        if low == 0.0 and _leaves_at_once(mu, speeds):
+            continue
+        if not is_stable(matrix - middle * np.outer(entry, row)):
             continue
         joined = ranges and ranges[-1][1] == low
         ranges[-1:] = [(ranges[-1][0], high)] if joined else [*ranges[-1:], (low, high)]
     return ranges
 
 
-def _told_apart(gains: Array, matrix: Array, entry: Array, row: Array) -> list[float]:
-    """0.0 and those gains that can move a multiplier by more than rounding."""
-    size = np.linalg.norm(entry) * np.linalg.norm(row) / max(np.linalg.norm(matrix), 1.0)
-    return [0.0, *(float(gain) for gain in gains if gain * size > 0.1 * ON_CIRCLE)]
+def _told_apart(gains: Array, speeds: Array, size: float) -> list[float]:
+    """0.0 and those gains by which every multiplier that starts on the circle has moved by more than rounding.
+
+    size: |b||r|. Before that it crosses the circle by rounding alone.
+    """
+    known = np.abs(speeds[~np.isnan(speeds)])
+    slowest = known.min(initial=1.0, where=known > LOSING)
+    return [0.0, *(float(gain) for gain in gains if gain * size * slowest > ON_CIRCLE)]
 
 
-def _starts_stable(matrix: Array, entry: Array, row: Array, middle: float) -> bool:
-    """Is M - g b r stable for all small g > 0? Multipliers on the circle at g = 0 are judged by their slope in g."""
-    mu, speeds = _starts(matrix, entry, row)
-    marginal = ~np.isnan(speeds)
-    if np.any(np.abs(mu[~marginal]) > 1.0):
-        return False
-    if np.all(np.abs(speeds[marginal]) > LOSING):
-        return bool(np.all(speeds[marginal] < 0.0))
-    return bool(is_stable(matrix - middle * np.outer(entry, row)))
+def _leaves_at_once(mu: Spectrum, speeds: Array) -> bool:
+    """Is a multiplier outside at g = 0, or drawn outward from the circle? Slow ones are left to the eigenvalues."""
+    return bool(np.any(np.abs(mu[np.isnan(speeds)]) > 1.0) or np.any(speeds > LOSING))
 
 
 def _starts(matrix: Array, entry: Array, row: Array) -> tuple[Spectrum, Array]:
