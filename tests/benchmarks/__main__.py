@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tests.benchmarks import lines, loop, plant, recorder, relief, replay, start, sweeps, timing, view
+from tests.benchmarks import lines, loop, plant, recorder, relief, replay, stability, start, sweeps, timing, view
 
 SECTIONS = {
     "plant": plant.rows,
@@ -19,6 +19,7 @@ SECTIONS = {
     "replay": replay.rows,
     "start": start.rows,
     "view": view.rows,
+    "stability": stability.rows,
     "sweeps": sweeps.rows,
 }
 
