@@ -15,11 +15,10 @@ from bridge.scenario import ScenarioError, load
 from bridge.stability.advice import advise
 from bridge.stability.causes import with_causes
 from bridge.stability.criterion import crossing_frequency, judge_swing
-from bridge.stability.plant import at_rest, plants
-from bridge.stability.probe import critical_gain, probe, stand_of, swing_at
+from bridge.stability.plant import plants
+from bridge.stability.probe import critical_gain, stand_of, swing_at
 from bridge.stability.sampling import Timing, edge_of, margins_of, suggested
 from bridge.stability.trial import stand, trial
-from controller.law import per_metre
 
 SQRT2 = math.sqrt(2.0)
 
@@ -125,31 +124,6 @@ def test_summary_places_the_run_and_compares_frequencies(tmp_path):
         ).summary["stability"]
         is None
     )
-
-
-ENDURANCE = [
-    pytest.param(interval, gain, share, oscillates, marks=pytest.mark.endurance)
-    for interval, gain in ((0.2, 0.43), (0.3, 0.28), (0.5, 0.165))
-    for share, oscillates in ((0.85, False), (1.15, True))
-]
-
-
-@pytest.mark.parametrize(("interval", "gain", "share", "oscillates"), [(0.1, 0.9, 1.3, True), *ENDURANCE])
-def test_an_edge_found_in_process_holds_through_the_wire(interval, gain, share, oscillates, tmp_path):
-    """Steps of 20 mm as in figure 5.21, but in lockstep, with three processes; gains in V/%."""
-    times = [f"loop.sample_period={interval}", "loop.delay=0.0", f"loop.command_timeout={12 * interval}"]
-    asked = probe(at_rest(load("step", times)), share * per_metre(gain, 0.27, 10.0), 20e-3)
-    if interval == 0.1:
-        asked = asked.model_copy(update={"duration": 4.0})
-    outcome = run_scenario(asked, RunRequest("lockstep", 1.0, False, tmp_path / "a.mcap", 20.0, False, None))
-    assert not outcome.faults
-    from bridge.recording.reader import read
-
-    columns = read(tmp_path / "a.mcap", ("state",)).columns("state")
-    swing = judge_swing(
-        columns["stamp"] / 1e9, columns["position"], asked.reference.model_dump()["at"], 20e-3, exact=False
-    )
-    assert swing.oscillates is oscillates
 
 
 @pytest.mark.parametrize(("derivative", "oscillates"), [("0.0 V s/%", False), ("0.03 V s/%", True)])
