@@ -13,7 +13,7 @@ from bridge.stability.chart import Chart
 from bridge.stability.page import PAGE
 from controller.stability.parting import CAUSES
 
-COLOURS = ("#cfe3d4", "#f6d9a8", "#eeb08f", "#d98a86", "#b9677c")  # none, one, two .. multipliers outside
+COLOURS = ("#cfe3d4", "#f6d9a8", "#eeb08f", "#d98a86", "#b9677c")  # none, one, two .. multipliers not inside
 GOOD, BAD, RING = "#1f6b39", "#a3231f", "#1c2430"
 RINGS = {"hard": "o", "saturated": "s", "slow": "v", "damped": "^", "unexplained": "p"}
 
@@ -48,7 +48,12 @@ def write(chart: Chart, overlay: Overlay, base: Path) -> list[Path]:
     draw(chart, overlay).savefig(picture)
     x, y = np.meshgrid(chart.x, chart.y)
     columns = {chart.labels[0]: x, chart.labels[1]: y, "stable multipliers": chart.total - chart.outside}
-    columns |= {"of": chart.total, "outside": chart.outside, "largest less 1": chart.excess, "angle [rad]": chart.angle}
+    columns |= {
+        "of": chart.total,
+        "not inside": chart.outside,
+        "largest less 1": chart.excess,
+        "angle [rad]": chart.angle,
+    }
     _table(table, columns)
     page.write_text(html(chart, overlay), encoding="utf-8")
     if not overlay.runs:
@@ -116,7 +121,7 @@ def _marks(axes: Any, runs: Sequence[Run]) -> list[Any]:
 
 def _outside_words(count: int) -> str:
     more = " or more" if count == len(COLOURS) - 1 else ""
-    return "stable: all multipliers inside" if count == 0 else f"{count}{more} outside the unit circle"
+    return "stable: all multipliers inside" if count == 0 else f"{count}{more} on or outside the unit circle"
 
 
 def html(chart: Chart, overlay: Overlay) -> str:
