@@ -10,7 +10,7 @@ from bridge.messages import Outgoing, Reference, ValveCommand
 from bridge.scenario import Scenario, ScenarioError
 from bridge.units import split
 from controller.law import LAWS, Gains, Law, Sample, per_metre
-from controller.reference import evaluate
+from controller.reference import Target, evaluate
 from controller.sampling import NS, is_sample
 
 
@@ -33,15 +33,19 @@ class ControllerSide:
         if not is_sample(stamp, self.grid):
             return []
         m = measurement
-        target = evaluate(self.reference, stamp / NS)
-        sample = Sample(stamp, m.position, m.velocity, m.p1, m.p2, m.p3)
-        spool, self._memory = self.law(sample, target, self._memory, self.gains)
+        spool, target = self.decide(Sample(stamp, m.position, m.velocity, m.p1, m.p2, m.p3))
         sequence = self.published["command"]
         self.published = {"command": sequence + 1, "reference": sequence + 1}
         position = target.position if self.follows else math.nan
-        command = ValveCommand(m.run_id, self.source, sequence, stamp, stamp + self.grid.delay, float(spool))
+        command = ValveCommand(m.run_id, self.source, sequence, stamp, stamp + self.grid.delay, spool)
         wanted = Reference(m.run_id, self.source, sequence, stamp, position, target.velocity)
         return [Outgoing("command", stamp, sequence, command), Outgoing("reference", stamp, sequence, wanted)]
+
+    def decide(self, sample: Sample) -> tuple[float, Target]:
+        """The spool reference for the next sample, and the target it is after."""
+        target = evaluate(self.reference, sample.stamp_ns / NS)
+        spool, self._memory = self.law(sample, target, self._memory, self.gains)
+        return float(spool), target
 
 
 def gains(scenario: Scenario) -> Gains:

@@ -25,6 +25,7 @@ from bridge.figures.constant_speed import (
 from bridge.figures.friction import rig_seal
 from bridge.figures.oil import REFERENCE, THERMOMETER, Points, constants, fit, measure, viscosity_columns
 from bridge.figures.power_law import PowerLaw, factor, fit_power_law, law_force, limited, on_slope
+from bridge.figures.stability_charts import CHARTS
 from twin.oil import exponential_viscosity, kinematic_viscosity
 from twin.rig import RIG
 from twin.seal import friction
@@ -55,9 +56,12 @@ def test_an_unknown_figure_is_refused_with_the_nearest(tmp_path: Path, name: str
     assert not (tmp_path / "none").exists()
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.endurance if name in LONG else ()) for name in FIGURES]
-)
+def marks(name: str):
+    """Long figures, and charts that differ from others in a number only, are for the long trials."""
+    return pytest.mark.endurance if name in LONG or (name in CHARTS and name not in ("5.9", "5.16")) else ()
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=marks(name)) for name in FIGURES])
 def test_a_figure_is_a_picture_and_a_table_with_units(tmp_path: Path, name: str):
     picture, table = draw_figure(name, tmp_path / "made")
     assert (picture.name, table.name) == (f"{name}.png", f"{name}.csv")

@@ -81,7 +81,19 @@ def map_stability(
         list[str] | None, typer.Option("--at", metavar="NAME=NUMBER", help="The other numbers, such as delay=0.5.")
     ] = None,
     cells: Annotated[int, typer.Option(min=2, max=1000, help="Of the theory, a side.")] = 120,
-    runs: Annotated[int, typer.Option(min=0, max=100, help="Runs of the twin a side, with --rig; 0 for none.")] = 8,
+    runs: Annotated[int, typer.Option(min=0, max=100, help="Runs a side, with --rig or --simulate; 0 for none.")] = 8,
+    simulate: Annotated[
+        bool,
+        typer.Option(
+            "--simulate", help="Lay runs of the nonlinear dimensionless actuator over; --at alpha=, start=, limit=."
+        ),
+    ] = False,
+    derivative: Annotated[
+        str, typer.Option(help="Of the dimensionless controller: measured, backward or filtered.")
+    ] = "measured",
+    filter_time: Annotated[
+        float | None, typer.Option(min=0.0, help="Of the filtered derivative, in sampling periods.")
+    ] = None,
     workers: WORKERS = 0,
     scheduler: SCHEDULER = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="Name of the files, without ending.")] = Path("map"),
@@ -89,14 +101,29 @@ def map_stability(
 ) -> None:
     """Draw a chart of stability over two numbers of the loop: OUTPUT.png, .csv, .html, and the runs' own .csv.
 
-    Colours count the multipliers outside the unit circle, by linear theory: of the dimensionless actuator (alone), or
-    of a scenario's rig (--rig), over which runs of the full twin are laid. An interrupted map goes on where it was.
+    Colours count the multipliers outside the unit circle, by linear theory: of the dimensionless actuator, over which
+    --simulate lays runs of the nonlinear one; or of a scenario's rig (--rig), with runs of the full twin. Where such a
+    run of the actuator parts from theory, the cause is found and said. An interrupted map goes on where it was.
     """
     from bridge.scenario import ScenarioError
     from bridge.stability.mapping import Wanted, make
 
     try:
-        wanted = Wanted(across, up, x, y, rig, about, tuple(changes or ()), tuple(fixed or ()), cells, runs)
+        wanted = Wanted(
+            across,
+            up,
+            x,
+            y,
+            rig,
+            about,
+            tuple(changes or ()),
+            tuple(fixed or ()),
+            cells,
+            runs,
+            simulate,
+            derivative,
+            filter_time,
+        )
         paths = make(wanted, output, workers, scheduler)
     except ValueError as error:
         raise ScenarioError(str(error)) from None

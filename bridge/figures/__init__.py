@@ -6,6 +6,7 @@ A figure bears the source's number. Its numbers are computed apart from its draw
 import csv
 import difflib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ from bridge.figures import (
     rig,
     slow_manifold,
     stability_causes,
+    stability_charts,
     stability_edges,
     transients,
 )
@@ -41,8 +43,18 @@ _ALL = (
     Figure("5.3", "Pressures fall on the critical manifold, and what that leaves out", slow_manifold.draw_manifold),
     Figure("5.4", "Periodic orbits of the relay loop over its derivative gain", limit_cycles.draw_relay),
     Figure("5.5", "Periodic orbits of the proportional loop over its gain", limit_cycles.draw_proportional),
+    Figure("5.7", "Closed curves of the sampled loop's stability, k = 0, d = 1", stability_charts.draw_curves),
+    *(
+        Figure(
+            number,
+            f"Stability chart of the sampled loop, k = {of.k:g}, d = {of.d:g}",
+            partial(stability_charts.draw_chart, number),
+        )
+        for number, of in stability_charts.CHARTS.items()
+    ),
     Figure("5.20", "Critical gain over the sampling interval, computed", stability_edges.draw_computed),
     Figure("5.21", "Critical gain over the sampling interval, found on the twin", stability_edges.draw_measured),
+    Figure("areas", "Area of figures 5.8 to 5.19 by number of stable multipliers", stability_charts.draw_areas),
     Figure("causes", "Why the twin parts from its linear theory, by cause", stability_causes.draw_causes),
     Figure("circuit", "The circuit, from the rig's own numbers", rig.draw_circuit),
 )

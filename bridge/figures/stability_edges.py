@@ -12,8 +12,9 @@ import numpy as np
 
 from bridge.figures.canvas import Array, Columns, Sheet, label, remark, sheet
 from bridge.scenario import Scenario, load
-from bridge.stability.edges import edge_points, measured_edges, theory_edges, timing_of
+from bridge.stability.edges import edge_points, measured_edges, theory_edges
 from bridge.stability.plant import POINTS, plants
+from bridge.stability.sampling import timing_of
 from bridge.sweep.engine import ALL_CORES, Crew
 from controller.law import volts_per_percent
 

@@ -10,12 +10,12 @@ from typing import Any
 
 from bridge.controller_side import gains
 from bridge.scenario import Scenario, ScenarioError
-from bridge.stability.edges import timing_of
-from bridge.stability.loop import Timing, onset, sampled, stable
-from bridge.stability.margins import GAIN_MARGIN, Margins, margins, suggested_gain
-from bridge.stability.plant import Plant, plants
+from bridge.stability.plant import RigPlant, plants
+from bridge.stability.sampling import Timing, margins_of, named, suggested, timing_of
 from controller.law import volts_per_percent
 from controller.reference import evaluate
+from controller.stability import Margins
+from controller.stability.margins import GAIN_MARGIN
 
 RULE = f"gain margin {GAIN_MARGIN:g} at the worst point; the patient gain bears one more sampling period of delay too"
 WORDS = {"stable": "stable", "unstable": "unstable", "between": "stable or not by direction and size of the motion"}
@@ -37,7 +37,7 @@ def held(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"start": scenario.start.model_copy(update={"position": place})})
 
 
-def plants_of(scenario: Scenario) -> dict[str, Plant]:
+def plants_of(scenario: Scenario) -> dict[str, RigPlant]:
     """The plants about where the reference ends. Raises ScenarioError where the theory has no answer."""
     refuse_other_loops(scenario)
     try:
@@ -49,9 +49,9 @@ def plants_of(scenario: Scenario) -> dict[str, Plant]:
 def advise(scenario: Scenario) -> dict[str, Any]:
     """Plain data. Raises ScenarioError where the theory has no answer."""
     found, timing, own = plants_of(scenario), timing_of(scenario), gains(scenario)
-    of = {name: margins(plant, timing, own.proportional, own.derivative) for name, plant in found.items()}
-    points = {name: _point(found[name], timing, of[name], scenario) for name in found}
-    least = min(margin.critical.gain for margin in of.values())
+    of = {name: margins_of(p.plant(), timing, own.proportional, own.derivative) for name, p in found.items()}
+    points = {name: _point(found[name].opening, timing, of[name], scenario) for name in found}
+    least = min(named(margin.critical, timing).gain for margin in of.values())
     return {
         "scenario": scenario.name,
         "held_at": held(scenario).start.position,
@@ -62,7 +62,7 @@ def advise(scenario: Scenario) -> dict[str, Any]:
         "points": points,
         "suggested": {
             "gain": _gain(least / GAIN_MARGIN, scenario),
-            "patient": _gain(suggested_gain(found, timing, own.derivative), scenario),
+            "patient": _gain(suggested([p.plant() for p in found.values()], timing, own.derivative), scenario),
             "rule": RULE,
         },
     }
@@ -74,20 +74,19 @@ def verdict(points: Mapping[str, Mapping[str, Any]]) -> str:
     return "stable" if all(good) else "between" if any(good) else "unstable"
 
 
-def _point(plant: Plant, timing: Timing, found: Margins, scenario: Scenario) -> dict[str, Any]:
-    own, loop = gains(scenario), sampled(plant, timing)
-    kind, frequency = onset(loop, own.proportional, own.derivative)
+def _point(opening: float, timing: Timing, found: Margins, scenario: Scenario) -> dict[str, Any]:
+    critical, swing = named(found.critical, timing), named(found.dominant, timing)
     return {
-        "opening": plant.opening,
-        "critical_gain": _gain(found.critical.gain, scenario),
-        "kind": found.critical.kind,
-        "frequency": found.critical.frequency,
-        "critical_derivative": _gain(found.derivative_high, scenario),
-        "least_derivative": _gain(found.derivative_low, scenario),
+        "opening": opening,
+        "critical_gain": _gain(critical.gain, scenario),
+        "kind": critical.kind,
+        "frequency": critical.frequency,
+        "critical_derivative": _gain(found.derivative[1], scenario),
+        "least_derivative": _gain(found.derivative[0], scenario),
         "gain_margin": _finite(found.gain_margin),
-        "delay_margin": _finite(found.delay_margin),
-        "stable": stable(loop, own.proportional, own.derivative),
-        "swing": {"kind": kind, "frequency": frequency},
+        "delay_margin": _finite(found.delay_margin * timing.period),
+        "stable": found.stable,
+        "swing": {"kind": swing.kind, "frequency": swing.frequency},
     }
 
 

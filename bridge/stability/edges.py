@@ -8,25 +8,19 @@ from typing import Any
 from bridge.controller_side import gains
 from bridge.scenario import Scenario, changed
 from bridge.stability.causes import CAUSES, DEAD_BAND, with_causes
-from bridge.stability.loop import Timing, sampled
-from bridge.stability.margins import critical_gain as theory_gain
-from bridge.stability.plant import Plant, at_rest, plants
+from bridge.stability.plant import RigPlant, at_rest, plants
 from bridge.stability.probe import STEP, TOLERANCE, critical_gain
+from bridge.stability.sampling import Timing, timing_of
+from bridge.stability.sampling import edge_of as theory_edge
 from bridge.sweep.engine import ALL_CORES, Crew, sweep
 from bridge.sweep.journal import Point
 
 PATIENCE = 12.0  # sampling intervals of silence that a trial bears
 
 
-def timing_of(scenario: Scenario) -> Timing:
-    """The times of a scenario's controller, as the theory takes them."""
-    own = gains(scenario)
-    return Timing(scenario.loop.sample_period, scenario.loop.delay, own.source, own.filter_time)
-
-
-def theory_edges(found: Mapping[str, Plant], timing: Timing, derivative: float) -> dict[str, list[Any]]:
+def theory_edges(found: Mapping[str, RigPlant], timing: Timing, derivative: float) -> dict[str, list[Any]]:
     """For each point of the rig its critical gain [1/m], its kind and frequency [Hz]."""
-    return {name: [*theory_gain(sampled(plant, timing), derivative)] for name, plant in found.items()}
+    return {name: [*theory_edge(point.plant(), timing, derivative)] for name, point in found.items()}
 
 
 def edge_of(point: Point, base: Mapping[str, Any]) -> dict[str, Any]:

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.scenario import load
+from bridge.stability.actuator_runs import OWN, actuator_runs
 from bridge.stability.chart import AXES, RANGES, Family, OfRig, Plainly, chart
-from bridge.stability.drawing import Run, write
+from bridge.stability.drawing import NOTHING, write
 from bridge.stability.runs import twin_runs
 from bridge.sweep.engine import Crew
 
@@ -30,6 +31,9 @@ class Wanted(NamedTuple):
     fixed: tuple[str, ...]  # NAME=NUMBER
     cells: int  # a side
     runs: int  # a side
+    simulate: bool  # run the dimensionless actuator
+    derivative: str  # of the dimensionless controller
+    filter_time: float | None  # [sampling periods], of "filtered"
 
 
 def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> list[Path]:
@@ -37,16 +41,27 @@ def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> l
     scenario = None if wanted.rig is None else load(wanted.rig, list(wanted.changes))
     if scenario is None and (wanted.changes or wanted.about):
         raise ValueError("--set and --about are of a scenario's rig; name one with --rig, or use --at NAME=NUMBER")
-    family: Family = Plainly({}) if scenario is None else OfRig(scenario, wanted.about)
-    family.numbers |= numbers(wanted.fixed, list(family.numbers))
+    if scenario is not None and (wanted.simulate or wanted.derivative != "measured"):
+        raise ValueError(
+            "--simulate and --derivative are of the dimensionless actuator; with --rig runs are of the twin, and its "
+            "controller is set by --set controller.velocity"
+        )
+    if (wanted.derivative == "filtered") != (wanted.filter_time is not None):
+        raise ValueError("--derivative filtered and --filter-time, in sampling periods, go together")
+    plain = Plainly({}, wanted.derivative, wanted.filter_time or 0.0)
+    family: Family = plain if scenario is None else OfRig(scenario, wanted.about)
+    given = numbers(wanted.fixed, [*family.numbers, *(OWN if wanted.simulate else ())])
+    family.numbers |= given
     x, y = (span(axis, text, family, wanted.cells) for axis, text in ((wanted.across, wanted.x), (wanted.up, wanted.y)))
     drawn = chart(family, wanted.across, wanted.up, x, y)
-    runs: list[Run] = []
-    if scenario is not None and wanted.runs:
-        places = [(a, b) for a in inner(x, wanted.runs) for b in inner(y, wanted.runs)]
-        part = output.with_name(f"{output.name}.part")
-        runs = twin_runs(scenario, wanted.across, wanted.up, places, part, Crew(workers, scheduler))
-    return write(drawn, runs, output)
+    places = [(a, b) for a in inner(x, wanted.runs) for b in inner(y, wanted.runs)]
+    part, crew = output.with_name(f"{output.name}.part"), Crew(workers, scheduler)
+    overlay = NOTHING
+    if scenario is not None and places:
+        overlay = twin_runs(scenario, wanted.across, wanted.up, places, part, crew)
+    elif wanted.simulate and places:
+        overlay = actuator_runs(plain, wanted.across, wanted.up, places, part, crew)
+    return write(drawn, overlay, output)
 
 
 def numbers(fixed: tuple[str, ...], known: list[str]) -> dict[str, float]:

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 from bridge.controller_side import gains
 from bridge.scenario import Scenario, ScenarioError
 from bridge.stability.advice import WORDS, plants_of, verdict
-from bridge.stability.edges import timing_of
-from bridge.stability.loop import onset, sampled, stable
-from bridge.stability.margins import critical_gain
+from bridge.stability.sampling import edge_of, loop_of, named, timing_of
 from controller.law import volts_per_percent
+from controller.stability import closed, dominant, is_stable, loop_onset
 
 ROUND = (0.2, 5.0)  # of the own sampling interval, what the chart spans
 PLACES = 15
@@ -26,14 +25,14 @@ def operating_point(scenario: Scenario, metrics: dict[str, Any]) -> dict[str, An
         return None
     own, timing = gains(scenario), timing_of(scenario)
     points = {}
-    for name, plant in found.items():
-        loop = sampled(plant, timing)
-        edge = critical_gain(loop, own.derivative)
+    for name, point in found.items():
+        loop = loop_of(point.plant(), timing)
+        edge = named(loop_onset(loop, own.derivative), timing)
         points[name] = {
             "critical_gain": _volts(edge.gain, scenario),
             "frequency": edge.frequency,
-            "stable": stable(loop, own.proportional, own.derivative),
-            "swing_frequency": onset(loop, own.proportional, own.derivative)[1],
+            "stable": bool(is_stable(closed(loop, own.proportional, own.derivative))),
+            "swing_frequency": named(dominant(loop, own.proportional, own.derivative), timing).frequency,
         }
     return {
         "gain": _volts(own.proportional, scenario),
@@ -70,7 +69,7 @@ def edge_curves(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.flo
     found, own, timing = plants_of(scenario), gains(scenario), timing_of(scenario)
     intervals = timing.period * np.geomspace(*ROUND, PLACES)
     rows = [
-        [critical_gain(sampled(plant, timing._replace(period=t)), own.derivative).gain for plant in found.values()]
+        [edge_of(point.plant(), timing._replace(period=t), own.derivative).gain for point in found.values()]
         for t in intervals.tolist()
     ]
     return intervals, np.array([[_volts(min(row), scenario), _volts(max(row), scenario)] for row in rows])

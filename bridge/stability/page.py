@@ -12,8 +12,7 @@ h1 { font-size: 1.25rem } canvas { width: 100%; display: block; cursor: crosshai
 </style></head>
 <body><h1>@TITLE@</h1><div id="keys" class="soft"></div><canvas id="chart" width="1400" height="840"></canvas>
 <p id="readout">Move over the chart to read it.</p>
-<p class="soft">Colours: linear theory, multipliers counted. Dots and crosses: runs of the full model that die away or
-oscillate.</p>
+<p class="soft">Colours: linear theory, multipliers counted. @RUNS@</p>
 <script>
 const d = @DATA@;
 const c = document.getElementById("chart"), g = c.getContext("2d"), out = document.getElementById("readout");
@@ -36,12 +35,13 @@ function draw(at) {
     g.fillRect(a, e, b - a + 0.6, s - e + 0.6);
   }
   g.lineWidth = 3;
-  for (const [x, y, bad] of d.runs) {
+  d.runs.forEach(([x, y, bad], i) => {
     g.strokeStyle = g.fillStyle = bad ? "#a3231f" : "#1f6b39"; g.beginPath();
     if (bad) { g.moveTo(px(x) - 7, py(y) - 7); g.lineTo(px(x) + 7, py(y) + 7);
       g.moveTo(px(x) - 7, py(y) + 7); g.lineTo(px(x) + 7, py(y) - 7); g.stroke(); }
     else { g.arc(px(x), py(y), 5, 0, 7); g.fill(); }
-  }
+    if (d.parted[i]) { g.strokeStyle = "#1c2430"; g.beginPath(); g.arc(px(x), py(y), 13, 0, 7); g.stroke(); }
+  });
   g.strokeStyle = "#1c2430"; g.lineWidth = 1.5; g.strokeRect(L, T, W, H);
   g.fillStyle = "#1c2430"; g.font = "22px DejaVu Sans, Verdana, sans-serif"; g.textAlign = "center";
   for (const t of ticks(x0, x1)) g.fillText(t, px(t), T + H + 28);
@@ -63,7 +63,7 @@ c.addEventListener("mousemove", event => {
   const all = d.total[j][i], at = [d.x[i], d.y[j]].map((v, k) => `${d.labels[k]} ${v.toPrecision(4)}`).join(", ");
   let words = `${at}: ${all - n} of ${all} multipliers stable; the largest is ${d.size[j][i].toPrecision(6)}, ${how}.`;
   for (const r of d.runs) if (Math.hypot(px(r[0]) - X, py(r[1]) - Y) < 12)
-    words += ` Run: ${r[2] ? `oscillates at ${r[3].toPrecision(4)}` : "dies away"}.`;
+    words += ` Run: ${r[3]}.`;
   out.textContent = words; draw([px(d.x[i]), py(d.y[j])]);
 });
 document.getElementById("keys").innerHTML = d.words.map((w, i) =>

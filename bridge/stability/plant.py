@@ -8,10 +8,10 @@ the point "rest". A swing larger than this opening changes side at each turn; th
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from bridge.scenario import Scenario
+from controller.stability import Plant, movable
 from twin.build import build
 from twin.circuit import UPPER, Circuit
 from twin.linear import STATES, edge_point, jacobian, moving_point, to_vector
@@ -21,21 +21,22 @@ POINTS = ("rest", "up", "down")
 WIDEST = 0.2  # opening [of travel] that is looked for beyond the overlap
 NARROWEST = 1e-6  # and the smallest: less than a leak worth the name needs
 
-Array = NDArray[np.float64]
 
-
-class Plant(NamedTuple):
-    """x' = a x + b u with u the controller's output, -1..1; position and velocity are rows of x."""
+class RigPlant(NamedTuple):
+    """The rig about a point, with u the controller's output, -1..1; SI."""
 
     point: str  # one of POINTS
-    a: Array  # (n, n)
-    b: Array  # (n, 1)
-    position: Array  # (1, n)
-    velocity: Array  # (1, n)
+    linear: Plant  # with all the rig's states, in the order of twin.linear.STATES
     opening: float  # of the valve there, beyond the overlap, share of the travel
+    mass: float  # [kg], that moves
+
+    def plant(self, damping: float = 0.0) -> Plant:
+        """What a loop can move, with a viscous friction [N s/m] of the piston."""
+        row = np.zeros(len(STATES)) if self.linear.velocity is None else self.linear.velocity
+        return movable(self.linear._replace(a=self.linear.a - damping / self.mass * np.outer(row, row)))
 
 
-def plants(scenario: Scenario) -> dict[str, Plant]:
+def plants(scenario: Scenario) -> dict[str, RigPlant]:
     """The linear plants of a scenario's rig at its start, by their point. ValueError where the oil cannot follow."""
     circuit = build(scenario.rig_values(), scenario.loop.step)
     found = {}
@@ -72,13 +73,15 @@ def rest_point(circuit: Circuit, position: float) -> State | None:
     return None
 
 
-def _plant(name: str, point: State, edge: str | None, opening: float, scenario: Scenario, circuit: Circuit) -> Plant:
-    n, valve = len(STATES), circuit.parts.valve
-    b, position, velocity = np.zeros((n, 1)), np.zeros((1, n)), np.zeros((1, n))
-    jumped = scenario.controller.compensate_overlap
-    b[STATES.index("spool_velocity"), 0] = valve.natural_frequency**2 * (1.0 - valve.overlap if jumped else 1.0)
-    position[0, STATES.index("position")] = velocity[0, STATES.index("velocity")] = 1.0
-    return Plant(name, jacobian(to_vector(point), circuit, edge), b, position, velocity, opening)
+def _plant(name: str, point: State, edge: str | None, opening: float, scenario: Scenario, circuit: Circuit) -> RigPlant:
+    valve = circuit.parts.valve
+    entry, position, velocity = (
+        np.eye(len(STATES))[STATES.index(s)] for s in ("spool_velocity", "position", "velocity")
+    )
+    travel = 1.0 - valve.overlap if scenario.controller.compensate_overlap else 1.0
+    a = jacobian(to_vector(point), circuit, edge)
+    linear = Plant(a, valve.natural_frequency**2 * travel * entry, position, velocity)
+    return RigPlant(name, linear, opening, circuit.parts.load.mass)
 
 
 def at_rest(scenario: Scenario) -> Scenario:

@@ -7,7 +7,7 @@ from typing import Any
 
 from bridge.scenario import Scenario, ScenarioError
 from bridge.stability.chart import OfRig
-from bridge.stability.drawing import Run
+from bridge.stability.drawing import Overlay, Run
 from bridge.stability.edges import placed
 from bridge.stability.probe import STEP, stand_of, swing_at
 from bridge.sweep.engine import Crew, sweep
@@ -17,7 +17,7 @@ from controller.law import per_metre
 
 def twin_runs(
     scenario: Scenario, across: str, up: str, places: Sequence[tuple[float, float]], part: Path, crew: Crew
-) -> list[Run]:
+) -> Overlay:
     """Run the twin at each place (x, y) of a chart in rig units. Raises ScenarioError for an axis it does not have."""
     if "damping" in (across, up):
         raise ScenarioError("the twin has friction, but no damping to set; take gain, derivative, period or delay")
@@ -28,7 +28,11 @@ def twin_runs(
     found = sweep(partial(swing_of, base=base), points, about, part, crew)
     by_point = {str(point): result for point, result in zip(points, found, strict=True)}
     results = [(place, by_point[str(point)]) for place, point in asked.items()]
-    return [Run(x, y, bool(swing["oscillates"]), swing["frequency"]) for (x, y), swing in results]
+    runs = [
+        Run(x, y, bool(swing["oscillates"]), swing["frequency"], swing["amplitude"], None, None)
+        for (x, y), swing in results
+    ]
+    return Overlay(runs, "runs of the full twin", ("Hz", "m"))
 
 
 def _point(numbers: Mapping[str, float], scenario: Scenario) -> dict[str, float]:

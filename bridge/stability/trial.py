@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.controller_side import ControllerSide
-from bridge.messages import Measurement
 from bridge.plant_side import SAFE, card_of
 from bridge.scenario import Scenario
 from controller.hold import Hold
+from controller.law import Sample
 from controller.sampling import NS, Sampling, is_sample
 from twin.block import OBSERVED, Compiled, compiled, run_block
 from twin.build import build
@@ -59,7 +59,7 @@ def trial(scenario: Scenario, on: Stand) -> Trace:
     for row in range(len(rows)):
         begin = row * span
         loop.sample(begin, row * ticks)
-        rows[row] = begin / NS, *loop.seen[[0, 2]]
+        rows[row] = begin / NS, loop.seen[0], loop.seen[2]
         if row + 1 < len(rows):
             loop.run(begin, begin + span)
     return Trace(*rows.T)
@@ -89,9 +89,8 @@ class _Loop:
         if not is_sample(now, self.grid):
             return
         acquire(self.taps, self._noise(tick), self.card, self.grid.step / NS, self.reading)
-        answers = self.controller.answer(Measurement(0, tick, tick, now, *self.reading.tolist()))
-        command = next(answer.message for answer in answers if answer.topic == "command")
-        self.hold.put(command.apply_at, command.spool)
+        spool, _ = self.controller.decide(Sample(now, *self.reading.tolist()))
+        self.hold.put(now + self.grid.delay, spool)
 
     def _noise(self, tick: int) -> Array:
         number, row = divmod(tick, NOISE_ROWS)

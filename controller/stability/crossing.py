@@ -22,7 +22,7 @@ LOSING = 1e-10  # speeds |mu|'/|b||r| below this are no motion
 
 
 class Onset(NamedTuple):
-    """How stability is lost at a gain."""
+    """The multiplier that leaves the unit circle at a gain, or comes nearest to leaving it."""
 
     gain: float
     kind: str  # "fold" mu = 1 | "flip" mu = -1 | "Neimark-Sacker" a complex pair
@@ -35,12 +35,17 @@ def multipliers(matrix: Array) -> Spectrum:
     return np.linalg.eigvals(matrix).astype(np.complex128)
 
 
-def stable_count(matrix: Array) -> Array:
-    """How many multipliers lie inside the unit circle by more than rounding (1e-12), (...)."""
-    return (np.abs(multipliers(matrix)) < 1.0 - ON_CIRCLE).sum(axis=-1)
+def inside(mu: Spectrum) -> NDArray[np.bool_]:
+    """Which multipliers lie inside the unit circle by more than rounding: those on it do not."""
+    return np.abs(mu) < 1.0 - ON_CIRCLE
 
 
-def is_stable(matrix: Array) -> Array:
+def stable_count(matrix: Array) -> NDArray[np.intp]:
+    """How many multipliers lie inside, (...)."""
+    return inside(multipliers(matrix)).sum(axis=-1)
+
+
+def is_stable(matrix: Array) -> NDArray[np.bool_]:
     """Do all multipliers lie inside? Those on the circle do not."""
     return stable_count(matrix) == matrix.shape[-1]
 
@@ -48,7 +53,8 @@ def is_stable(matrix: Array) -> Array:
 def balanced(matrix: Array, entry: Array, row: Array) -> tuple[Array, Array, Array]:
     """The same loop in units, powers of two, that bring its numbers together: a state may be in pascal or metre."""
     whole = np.block([[matrix, entry[:, None]], [row, np.zeros(1)]])
-    whole = np.asarray(matrix_balance(whole, permute=False)[0], float)
+    with np.errstate(invalid="ignore"):  # scipy casts the scales to integers, for permutations it has not made
+        whole = np.asarray(matrix_balance(whole, permute=False)[0], float)
     return whole[:-1, :-1], whole[:-1, -1], whole[-1, :-1]
 
 
@@ -85,33 +91,33 @@ def crossing_at(z: complex, matrix: Array, entry: Array, row: Array) -> float:
 def stable_ranges(matrix: Array, entry: Array, row: Array) -> list[tuple[float, float]]:
     """All open ranges of g > 0 in which M - g b r is stable, rising; the last may end at inf."""
     matrix, entry, row = balanced(matrix, entry, row)
-    edges = _told_apart(crossings(matrix, entry, row), matrix, entry, row)
+    mu, speeds = _starts(matrix, entry, row)
+    edges = _told_apart(crossings(matrix, entry, row), speeds, np.linalg.norm(entry) * np.linalg.norm(row))
     middles = [*(0.5 * (a + b) for a, b in pairwise(edges)), 2.0 * edges[-1] + 1.0]
-    first = _starts_stable(matrix, entry, row, middles[0])
     ranges: list[tuple[float, float]] = []
     for low, high, middle in zip(edges, [*edges[1:], np.inf], middles, strict=True):
-        if not (first if low == 0.0 else is_stable(matrix - middle * np.outer(entry, row))):
+        if low == 0.0 and _leaves_at_once(mu, speeds):
+            continue
+        if not is_stable(matrix - middle * np.outer(entry, row)):
             continue
         joined = ranges and ranges[-1][1] == low
         ranges[-1:] = [(ranges[-1][0], high)] if joined else [*ranges[-1:], (low, high)]
     return ranges
 
 
-def _told_apart(gains: Array, matrix: Array, entry: Array, row: Array) -> list[float]:
-    """0.0 and those gains that can move a multiplier by more than rounding."""
-    size = np.linalg.norm(entry) * np.linalg.norm(row) / max(np.linalg.norm(matrix), 1.0)
-    return [0.0, *(float(gain) for gain in gains if gain * size > 0.1 * ON_CIRCLE)]
+def _told_apart(gains: Array, speeds: Array, size: float) -> list[float]:
+    """0.0 and those gains by which every multiplier that starts on the circle has moved by more than rounding.
+
+    size: |b||r|. Before that it crosses the circle by rounding alone.
+    """
+    known = np.abs(speeds[~np.isnan(speeds)])
+    slowest = known.min(initial=1.0, where=known > LOSING)
+    return [0.0, *(float(gain) for gain in gains if gain * size * slowest > ON_CIRCLE)]
 
 
-def _starts_stable(matrix: Array, entry: Array, row: Array, middle: float) -> bool:
-    """Is M - g b r stable for all small g > 0? Multipliers on the circle at g = 0 are judged by their slope in g."""
-    mu, speeds = _starts(matrix, entry, row)
-    marginal = ~np.isnan(speeds)
-    if np.any(np.abs(mu[~marginal]) > 1.0):
-        return False
-    if np.all(np.abs(speeds[marginal]) > LOSING):
-        return bool(np.all(speeds[marginal] < 0.0))
-    return bool(is_stable(matrix - middle * np.outer(entry, row)))
+def _leaves_at_once(mu: Spectrum, speeds: Array) -> bool:
+    """Is a multiplier outside at g = 0, or drawn outward from the circle? Slow ones are left to the eigenvalues."""
+    return bool(np.any(np.abs(mu[np.isnan(speeds)]) > 1.0) or np.any(speeds > LOSING))
 
 
 def _starts(matrix: Array, entry: Array, row: Array) -> tuple[Spectrum, Array]:
@@ -142,12 +148,15 @@ def classify(gain: float, matrix: Array, entry: Array, row: Array) -> Onset:
     """What the multiplier does that is lost at a gain; at 0.0 it is the one that any small gain drives out."""
     if gain > 0.0:
         mu = multipliers(matrix - gain * np.outer(entry, row))
-        worst = complex(mu[np.argmin(np.abs(np.abs(mu) - 1.0))])
-    else:
-        worst = _lost_at_once(*balanced(matrix, entry, row))
-    if abs(worst.imag) > 1e-7 * abs(worst):
-        return Onset(gain, "Neimark-Sacker", complex(worst.real, abs(worst.imag)), float(abs(np.angle(worst))))
-    return Onset(gain, "fold", worst, 0.0) if worst.real > 0.0 else Onset(gain, "flip", worst, float(np.pi))
+        return named(gain, complex(mu[np.argmin(np.abs(np.abs(mu) - 1.0))]))
+    return named(gain, _lost_at_once(*balanced(matrix, entry, row)))
+
+
+def named(gain: float, mu: complex) -> Onset:
+    """The kind of motion that belongs to a multiplier near the circle."""
+    if abs(mu.imag) > 1e-7 * abs(mu):
+        return Onset(gain, "Neimark-Sacker", complex(mu.real, abs(mu.imag)), float(abs(np.angle(mu))))
+    return Onset(gain, "fold", mu, 0.0) if mu.real > 0.0 else Onset(gain, "flip", mu, float(np.pi))
 
 
 def _lost_at_once(matrix: Array, entry: Array, row: Array) -> complex:

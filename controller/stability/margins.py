@@ -1,12 +1,49 @@
-"""How far a sampled loop is from the edge: in gain, in delay; and what happens at the edge."""
+"""How far a sampled loop is from the edge: in gain, in derivative gain, in delay; what happens there; gains to take."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from controller.stability.crossing import Onset, classify, first_loss, is_stable, stable_ranges
-from controller.stability.plant import Plant
+from controller.stability.crossing import Onset, classify, first_loss, is_stable, multipliers, named, stable_ranges
+from controller.stability.plant import Array, Plant
 from controller.stability.sampled import SampledLoop, closed, sampled_loop
 
 SCAN = 0.02  # of a sampling period, between the delays tried
+LONGEST = 10.0  # sampling periods of further delay that are tried
+GAIN_MARGIN, DELAY_MARGIN = 2.0, 1.0  # of suggested gains; the latter in sampling periods
+LOWERED = 0.95  # a gain whose delay margin is too small, from one try to the next
+
+
+class Margins(NamedTuple):
+    """Of one loop at its gains s and d."""
+
+    stable: bool
+    critical: Onset | None  # as s grows from 0 at this d; None: never lost, gain 0.0: none to lose
+    gain_margin: float  # critical over own s, d unchanged; below 1.0 for one that is too high
+    derivative: tuple[float, float]  # stable range of d around the own one, from 0 up; NaN if the loop is unstable
+    delay_margin: float  # further delay that it bears [sampling periods]; 0.0 if unstable, inf beyond `longest`
+    dominant: Onset  # what grows fastest or dies most slowly at these gains
+
+
+def margins(
+    plant: Plant,
+    s: float,
+    d: float,
+    tau: float,
+    delay: float = 0.0,
+    derivative: str = "measured",
+    filter_time: float | None = None,
+    longest: float = LONGEST,
+) -> Margins:
+    """All of them for one plant, sampled as `sampled_loop` says. Raises ValueError as it does."""
+    loop = sampled_loop(plant, tau, delay, derivative, filter_time)
+    critical, stable = loop_onset(loop, d), bool(is_stable(closed(loop, s, d)))
+    late = delay_margin(plant, s, d, tau, delay, derivative, filter_time, longest) if stable else 0.0
+    ratio = math.inf if critical is None or s == 0.0 else critical.gain / s
+    return Margins(stable, critical, ratio, derivative_range(loop, s, d), late, dominant(loop, s, d))
 
 
 def loop_onset(loop: SampledLoop, d: float) -> Onset | None:
@@ -17,6 +54,12 @@ def loop_onset(loop: SampledLoop, d: float) -> Onset | None:
     matrix = closed(loop, 0.0, d)
     gain = first_loss(matrix, loop.entry, loop.position)
     return classify(gain, matrix, loop.entry, loop.position) if np.isfinite(gain) else None
+
+
+def dominant(loop: SampledLoop, s: float, d: float) -> Onset:
+    """The largest multiplier at these gains, its kind and angle; gain is s."""
+    mu = multipliers(closed(loop, s, d))
+    return named(s, complex(mu[np.argmax(np.abs(mu))]))
 
 
 def gain_margin(loop: SampledLoop, s: float, d: float) -> tuple[float, float]:
@@ -31,6 +74,15 @@ def gain_margin(loop: SampledLoop, s: float, d: float) -> tuple[float, float]:
     raise ValueError(f"gains s {s}, d {d} are unstable already and have no margin; lower them below the critical gain")
 
 
+def derivative_range(loop: SampledLoop, s: float, d: float) -> tuple[float, float]:
+    """Ends of the stable range of derivative gains around d >= 0, s unchanged; (NaN, NaN) for an unstable loop."""
+    matrix = closed(loop, s, 0.0)
+    if not is_stable(closed(loop, s, d)):
+        return math.nan, math.nan
+    ranges = stable_ranges(matrix, loop.entry, loop.velocity)
+    return next(((low, high) for low, high in ranges if low <= d <= high), (d, d))
+
+
 def delay_margin(
     plant: Plant,
     s: float,
@@ -39,22 +91,35 @@ def delay_margin(
     delay: float = 0.0,
     derivative: str = "measured",
     filter_time: float | None = None,
-    longest: float = 10.0,
+    longest: float = LONGEST,
 ) -> float:
     """Further delay [sampling periods] that makes the loop unstable; inf if none up to `longest` does.
 
     Ranges of instability narrower than 0.02 periods may be passed over. ValueError for an unstable loop.
     """
 
-    def stable(more: float) -> bool:
-        loop = sampled_loop(plant, tau, delay + more, derivative, filter_time)
-        return bool(is_stable(closed(loop, s, d)))
+    def stable(more: Array) -> NDArray[np.bool_]:
+        return _stable_at(plant, s, d, tau, delay + more, derivative, filter_time)
 
-    if not stable(0.0):
+    if not stable(np.zeros(1))[0]:
         raise ValueError(f"gains s {s}, d {d} are unstable at delay {delay} already and have no margin; lower them")
-    steps = (SCAN * i for i in range(1, round(longest / SCAN) + 1))
-    lost = next((more for more in steps if not stable(more)), None)
-    return np.inf if lost is None else _halved(stable, lost - SCAN, lost)
+    for period in range(math.ceil(longest)):  # one at a time: most loops are lost early
+        more = np.minimum(period + SCAN * np.arange(1, round(1.0 / SCAN) + 1), longest)
+        if not (good := stable(more)).all():
+            lost = float(more[np.argmin(good)])
+            return _halved(lambda late: bool(stable(np.array([late]))[0]), lost - SCAN, lost)
+    return math.inf
+
+
+def _stable_at(
+    plant: Plant, s: float, d: float, tau: float, delays: Array, derivative: str, filter_time: float | None
+) -> NDArray[np.bool_]:
+    """Is the loop stable at each of the delays? Those that give matrices of one size are done together."""
+    out, sizes = np.empty(delays.shape, bool), np.ceil(delays)
+    for size in np.unique(sizes):
+        at = sizes == size
+        out[at] = is_stable(closed(sampled_loop(plant, tau, delays[at], derivative, filter_time), s, d))
+    return out
 
 
 def _halved(stable, low: float, high: float) -> float:
@@ -62,3 +127,30 @@ def _halved(stable, low: float, high: float) -> float:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if stable(middle) else (low, middle)
     return high
+
+
+def suggested_gain(
+    plants: Sequence[Plant],
+    d: float,
+    tau: float,
+    delay: float = 0.0,
+    derivative: str = "measured",
+    filter_time: float | None = None,
+) -> float:
+    """A gain s with GAIN_MARGIN and DELAY_MARGIN for each of the plants: half the least critical one, or less.
+
+    0.0 where there is none above a hundredth of the critical one; inf where none is critical.
+    """
+
+    def bears(s: float) -> bool:
+        return all(
+            bool(_stable_at(plant, s, d, tau, delay + late, derivative, filter_time).all())
+            for late in (np.full(1, DELAY_MARGIN), np.arange(0.0, DELAY_MARGIN, SCAN))
+            for plant in plants
+        )
+
+    onsets = [loop_onset(sampled_loop(plant, tau, delay, derivative, filter_time), d) for plant in plants]
+    gain = least = min(math.inf if onset is None else onset.gain for onset in onsets) / GAIN_MARGIN
+    while 0.0 < gain < math.inf and not bears(gain):
+        gain = gain * LOWERED if gain > 2e-2 * least else 0.0
+    return gain

@@ -7,7 +7,20 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tests.benchmarks import lines, loop, plant, recorder, relief, replay, start, sweeps, timing, view
+from tests.benchmarks import (
+    lines,
+    loop,
+    plant,
+    recorder,
+    relief,
+    replay,
+    simulated_loops,
+    stability,
+    start,
+    sweeps,
+    timing,
+    view,
+)
 
 SECTIONS = {
     "plant": plant.rows,
@@ -19,7 +32,9 @@ SECTIONS = {
     "replay": replay.rows,
     "start": start.rows,
     "view": view.rows,
+    "stability": stability.rows,
     "sweeps": sweeps.rows,
+    "simulated": simulated_loops.rows,
 }
 
 

@@ -1,0 +1,69 @@
+"""The sampled loop of a rig's plant: between the SI units and seconds of a scenario and `controller.stability`.
+
+There a delay and a filter time are counted in sampling periods and an oscillation in angles; here gains are 1/m and
+s/m, times s, frequencies Hz.
+"""
+
+import math
+from typing import NamedTuple
+
+from bridge.controller_side import gains
+from bridge.scenario import Scenario
+from controller.stability import Margins, Onset, Plant, SampledLoop, loop_onset, margins, sampled_loop, suggested_gain
+
+LATEST = 5.0  # sampling periods, the longest further delay that is looked at
+
+
+class Timing(NamedTuple):
+    """When the controller samples and acts, and where its velocity comes from."""
+
+    period: float  # T [s]
+    delay: float  # [s], may exceed T
+    derivative: str  # "measured" | "backward" | "filtered"
+    filter_time: float  # [s], of the filtered one
+
+    def counted(self) -> tuple[float, float, str, float]:
+        """tau, delay, derivative and filter time as `sampled_loop` takes them."""
+        return self.period, self.delay / self.period, self.derivative, self.filter_time / self.period
+
+
+class Edge(NamedTuple):
+    """Where a loop loses stability."""
+
+    gain: float  # [1/m]; 0.0 if the smallest is too much, inf if it never does
+    kind: str  # "none" | "fold" | "flip" | "Neimark-Sacker"
+    frequency: float  # [Hz], that it starts with
+
+
+def timing_of(scenario: Scenario) -> Timing:
+    """The times of a scenario's controller."""
+    own = gains(scenario)
+    return Timing(scenario.loop.sample_period, scenario.loop.delay, own.source, own.filter_time)
+
+
+def loop_of(plant: Plant, timing: Timing) -> SampledLoop:
+    """The loop of a plant."""
+    return sampled_loop(plant, *timing.counted())
+
+
+def edge_of(plant: Plant, timing: Timing, derivative: float) -> Edge:
+    """The critical gain at a derivative gain [s/m]."""
+    return named(loop_onset(loop_of(plant, timing), derivative), timing)
+
+
+def named(onset: Onset | None, timing: Timing) -> Edge:
+    """An onset in Hz."""
+    if onset is None:
+        return Edge(math.inf, "none", 0.0)
+    return Edge(onset.gain, onset.kind, onset.angle / (2.0 * math.pi * timing.period))
+
+
+def margins_of(plant: Plant, timing: Timing, gain: float, derivative: float) -> Margins:
+    """Its margins at gains [1/m], [s/m]; the delay margin is still in sampling periods."""
+    return margins(plant, gain, derivative, *timing.counted(), longest=LATEST)
+
+
+def suggested(plants: list[Plant], timing: Timing, derivative: float) -> float:
+    """A gain [1/m] that keeps a distance at every point; 0.0 where there is none."""
+    gain = suggested_gain(plants, derivative, *timing.counted())
+    return gain if math.isfinite(gain) else 0.0

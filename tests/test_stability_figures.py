@@ -1,0 +1,77 @@
+"""Figures 5.7 to 5.19: what the source reads from its own charts, and the table of their areas."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bridge.figures.stability_charts import CHARTS, CURVES, Damped, counts, draw_areas, draw_curves, middles, shares
+from controller.stability import is_stable, linear_actuator, loop_onset, monodromy, multipliers, sampled_loop
+
+TAU, S = middles(20.0), middles(5.0)
+
+
+def cell(of: Damped, tau: float, s: float) -> int:
+    """Stable multipliers of the cell that holds a point."""
+    return int(counts(of)[int(s / 5.0 * 200), int(tau / 20.0 * 200)])
+
+
+def test_areas_are_those_of_eigenvalues():
+    """200 x 200 cells of each chart, counted by numpy's eigenvalues: 1e-12 inside the circle is stable."""
+    columns, _ = draw_areas()
+    table = np.array(list(columns.values())).T
+    for row, of in zip(table, CHARTS.values(), strict=True):
+        assert tuple(row[:2]) == of
+        assert row[2:].sum() == pytest.approx(1.0, abs=1e-12)
+    for number in ("5.9", "5.16", "5.19"):
+        of = CHARTS[number]
+        size = np.abs(multipliers(monodromy(S[:, None], of.d, of.k, 0.23, TAU)))
+        found = np.bincount((size < 1.0 - 1e-12).sum(axis=-1).ravel(), minlength=4) / 40_000
+        np.testing.assert_array_equal(found, shares(of))
+
+
+def test_derivative_gain_of_a_half_destabilises_the_source_s_example():
+    """tau 3, s 0.5: stable in 5.14, not in 5.16. The stable islands move up; they hardly shrink until d = 1."""
+    assert cell(CHARTS["5.14"], 3.0, 0.5) == 3
+    assert cell(CHARTS["5.16"], 3.0, 0.5) < 3
+    stable = [shares(CHARTS[f"5.{n}"])[3] for n in range(14, 20)]
+    assert max(stable[:4]) - min(stable[:4]) < 0.01
+    assert stable[5] < 0.1 * stable[0]
+
+
+def test_damping_stabilises():
+    """Every step of k to 10 adds area, and at short intervals the edge is the analogue one, 6.149 k."""
+    stable = [shares(CHARTS[f"5.{n}"])[3] for n in range(8, 13)]
+    assert np.all(np.diff(stable) > 0.05)
+    for k in (0.1, 0.5):
+        column = counts(Damped(k, 0.0))[:, 0]
+        assert S[column == 3].max() == pytest.approx(6.149 * k, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("k", "tau", "kind"), [(1.0, 5.0, "flip"), (10.0, 3.0, "Neimark-Sacker"), (1e3, 9.0, "Neimark-Sacker")]
+)
+def test_moderate_damping_flips_and_heavy_damping_swings_slowly(k: float, tau: float, kind: str):
+    """5.11 to 5.13. Heavily damped it swings at the loop's own omega^2 = sqrt2 gamma s/k, slowly."""
+    onset = loop_onset(sampled_loop(linear_actuator(k, 0.23), tau), 0.0)
+    assert onset is not None
+    assert onset.kind == kind
+    if k == 1e3:
+        own = math.sqrt(math.sqrt(2.0) * 0.23 * onset.gain / k)
+        assert onset.angle / tau == pytest.approx(own, rel=0.02)
+        assert own < 0.02 * math.sqrt(2.0)
+
+
+def test_closed_curves_bound_the_islands():
+    """5.7: between flip above and pair below it is stable, beyond either it is not; all of it is 5.17."""
+    columns, _ = draw_curves()
+    tau, flip, pair = (columns[name] for name in ("tau [-]", "flip s [-]", "Neimark-Sacker s [-]"))
+    both = (columns["flip bounds stability [0 or 1]"] == 1.0) & (
+        columns["Neimark-Sacker bounds stability [0 or 1]"] == 1.0
+    )
+    assert both.sum() > 0.3 * len(tau)
+    for share, stable in ((-0.05, False), (0.05, True), (0.5, True), (0.95, True), (1.05, False)):
+        s = pair[both] + share * (flip[both] - pair[both])
+        s, at = s[s > 0.0], tau[both][s > 0.0]
+        assert np.mean(is_stable(monodromy(s, CURVES.d, CURVES.k, 0.23, at)) == stable) > 0.99
+    assert CHARTS["5.17"] == CURVES
