@@ -92,7 +92,8 @@ def stable_ranges(matrix: Array, entry: Array, row: Array) -> list[tuple[float, 
     """All open ranges of g > 0 in which M - g b r is stable, rising; the last may end at inf."""
     matrix, entry, row = balanced(matrix, entry, row)
     mu, speeds = _starts(matrix, entry, row)
-    edges = _told_apart(crossings(matrix, entry, row), speeds, np.linalg.norm(entry) * np.linalg.norm(row))
+    size = float(np.linalg.norm(entry) * np.linalg.norm(row))
+    edges = _told_apart(crossings(matrix, entry, row), speeds, size)
     middles = [*(0.5 * (a + b) for a, b in pairwise(edges)), 2.0 * edges[-1] + 1.0]
     ranges: list[tuple[float, float]] = []
     for low, high, middle in zip(edges, [*edges[1:], np.inf], middles, strict=True):
