@@ -115,7 +115,7 @@ def _draw_theory(
 ) -> None:
     style: dict[str, Any] = {"linewidth": 0.9, "linestyle": "--", "alpha": 0.8} if faint else {"linewidth": 1.6}
     for name, (gain, frequency) in edges.items():
-        words = None if faint and name == "rest" else f"theory {WORDS[name]}" if faint else WORDS[name]
+        words = f"theory {WORDS[name]}" if faint else WORDS[name]
         left.plot(times, gain, color=COLOURS[name], label=words, **style)
         right.plot(times, 2.0 * times * frequency, color=COLOURS[name], **style)
 
