@@ -155,7 +155,7 @@ def test_a_derivative_gain_destabilises_a_stable_loop(derivative, oscillates, tm
 
 
 def test_map_writes_picture_table_and_a_page_without_addresses(tmp_path):
-    words = ["map", "period", "gain", "--rig", "slow-sampling", "--x", "80:200", "--y", "0.05:2", "--cells", "12"]
+    words = ["map", "period", "gain", "--rig", "slow-sampling", "--x", "80:200", "--y", "0.05:2", "--cells", "8"]
     done = CliRunner().invoke(app, [*words, "--runs", "3", "--workers", "1", "-o", str(tmp_path / "m"), "--json"])
     assert done.exit_code == 0, done.output
     assert [path.rpartition(".")[2] for path in json.loads(done.output[done.output.index("[") :])] == [
@@ -167,6 +167,6 @@ def test_map_writes_picture_table_and_a_page_without_addresses(tmp_path):
     page = (tmp_path / "m.html").read_text()
     assert "http" not in page
     assert "<canvas" in page
-    assert len((tmp_path / "m.csv").read_text().splitlines()) == 1 + 144
+    assert len((tmp_path / "m.csv").read_text().splitlines()) == 1 + 64
     runs = np.loadtxt(tmp_path / "m-runs.csv", delimiter=",", skiprows=1)
     assert {0.0, 1.0} == set(runs[:, 2])
