@@ -55,7 +55,7 @@ def killed_after(part: Path, lines: int, process: subprocess.Popen[bytes]) -> No
     assert process.wait() == -signal.SIGKILL
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [2, pytest.param(1, marks=pytest.mark.endurance)])
 def test_a_killed_sweep_on_a_cluster_resumes_to_the_same_file(workers: int, tmp_path: Path):
     output = tmp_path / "found.json"
     with cluster(workers) as address:

@@ -19,7 +19,7 @@ from bridge.sweep.engine import ALL_CORES, Crew
 from controller.law import volts_per_percent
 
 SHORTEST, LONGEST = 20e-3, 1.0  # [s]
-PLACES = 60  # of the computed edge
+PLACES = 160  # of the computed edge
 INTERVALS = (0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0)  # [s], of the measured one
 SIZES = (2e-3, -2e-3, 20e-3, -20e-3)  # [m], of the steps
 BLUE, RED, GREY, GREEN = "#2a6fbb", "#c8413b", "#8a8f98", "#3a9150"
@@ -92,7 +92,7 @@ def draw_measured() -> tuple[Columns, Sheet]:
     columns = measured(INTERVALS, SIZES, scenario)
     times, low, high = list(columns.values())[:3]
     page, (left, right) = sheet("Critical gain over the sampling interval, found on the twin", 2)
-    smooth = np.geomspace(SHORTEST, LONGEST, PLACES // 2)
+    smooth = np.geomspace(SHORTEST, LONGEST, PLACES // 4)
     _draw_theory(left, right, smooth, computed(smooth, scenario), faint=True)
     left.fill_between(times, low, high, color=GREY, alpha=0.35, label="undecided: start and direction decide")
     left.plot(times, low, "o-", color=BLUE, markersize=4, label="never oscillates below")
@@ -115,7 +115,7 @@ def _draw_theory(
 ) -> None:
     style: dict[str, Any] = {"linewidth": 0.9, "linestyle": "--", "alpha": 0.8} if faint else {"linewidth": 1.6}
     for name, (gain, frequency) in edges.items():
-        words = None if faint and name == "rest" else f"theory {WORDS[name]}" if faint else WORDS[name]
+        words = f"theory {WORDS[name]}" if faint else WORDS[name]
         left.plot(times, gain, color=COLOURS[name], label=words, **style)
         right.plot(times, 2.0 * times * frequency, color=COLOURS[name], **style)
 

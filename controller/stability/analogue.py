@@ -15,6 +15,7 @@ Arguments are dimensionless and may be arrays, which broadcast.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from controller.stability.actuator import Actuator, linearise
 from controller.stability.plant import Array
 
 
@@ -47,11 +48,6 @@ def one_sided_jacobians(
     s: float, d: float, k: float, gamma: float, alpha: float, rest: float = 0.5
 ) -> tuple[Array, Array]:
     """Jacobians (4, 4) of the proportional loop at rest, for u > 0 and for u < 0, by y1 .. y4."""
-    opening, shares = np.array([-s, -d, 0.0, 0.0]), (np.sqrt(1.0 - rest), np.sqrt(rest))
-    sides = []
-    for into, out in (shares, shares[::-1]):
-        jacobian = np.array([[0, 1, 0, 0], [0, -k, alpha, -alpha], [0, -1 / alpha, 0, 0], [0, 1 / alpha, 0, 0]], float)
-        jacobian[2] += gamma / alpha * into * opening
-        jacobian[3] -= gamma / alpha * out * opening
-        sides.append(jacobian)
-    return sides[0], sides[1]
+    a, up, down = linearise(Actuator(alpha, gamma, k), rest)
+    opening = np.array([-s, -d, 0.0, 0.0])
+    return np.asarray(a + np.outer(up, opening), float), np.asarray(a + np.outer(down, opening), float)

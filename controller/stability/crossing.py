@@ -92,11 +92,12 @@ def stable_ranges(matrix: Array, entry: Array, row: Array) -> list[tuple[float, 
     """All open ranges of g > 0 in which M - g b r is stable, rising; the last may end at inf."""
     matrix, entry, row = balanced(matrix, entry, row)
     mu, speeds = _starts(matrix, entry, row)
-    edges = _told_apart(crossings(matrix, entry, row), speeds, np.linalg.norm(entry) * np.linalg.norm(row))
+    size = float(np.linalg.norm(entry) * np.linalg.norm(row))
+    edges = _told_apart(crossings(matrix, entry, row), speeds, size)
     middles = [*(0.5 * (a + b) for a, b in pairwise(edges)), 2.0 * edges[-1] + 1.0]
     ranges: list[tuple[float, float]] = []
     for low, high, middle in zip(edges, [*edges[1:], np.inf], middles, strict=True):
-        if low == 0.0 and _leaves_at_once(mu, speeds):
+        if low == 0.0 and np.any(np.abs(mu[np.isnan(speeds)]) > 1.0):  # outside without the gain
             continue
         if not is_stable(matrix - middle * np.outer(entry, row)):
             continue
@@ -113,11 +114,6 @@ def _told_apart(gains: Array, speeds: Array, size: float) -> list[float]:
     known = np.abs(speeds[~np.isnan(speeds)])
     slowest = known.min(initial=1.0, where=known > LOSING)
     return [0.0, *(float(gain) for gain in gains if gain * size * slowest > ON_CIRCLE)]
-
-
-def _leaves_at_once(mu: Spectrum, speeds: Array) -> bool:
-    """Is a multiplier outside at g = 0, or drawn outward from the circle? Slow ones are left to the eigenvalues."""
-    return bool(np.any(np.abs(mu[np.isnan(speeds)]) > 1.0) or np.any(speeds > LOSING))
 
 
 def _starts(matrix: Array, entry: Array, row: Array) -> tuple[Spectrum, Array]:

@@ -14,6 +14,7 @@ by the pressures the manifold leaves out, by the compressibility. Dimensionless 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from controller.stability.actuator import Actuator, field
 from controller.stability.plant import Array
 
 
@@ -49,8 +50,4 @@ def slides(
 
 def full_rates(y: Array, u: float, k: float, gamma: float, alpha: float) -> Array:
     """y1' .. y4' of the whole actuator with the valve held at u, (5.7), (5.8)."""
-    y1, y2, y3, y4 = y
-    into, out = (1.0 - y3, y4) if u > 0.0 else (y3, 1.0 - y4)
-    q1, q2 = u * np.sign(into) * np.sqrt(abs(into)), -u * np.sign(out) * np.sqrt(abs(out))
-    pressures = (gamma * q1 - y2) / (alpha * (1.0 + y1)), (gamma * q2 + y2) / (alpha * (1.0 - y1))
-    return np.array([y2, alpha * (y3 - y4) - k * y2, *pressures])
+    return np.asarray(field(y, u, Actuator(alpha, gamma, k)), float)
