@@ -1,0 +1,100 @@
+"""Which starts end calm, in a free swing, or on the seat: basins, a chart of flow and damping, and a bifurcation diagram."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.chatter.equilibrium import rest
+from twin.chatter.flight import HIT, TOP, Point, go_on
+from twin.chatter.impact import motion
+from twin.chatter.system import System
+from twin.kernel import allocating_kernel, kernel
+
+Array = NDArray[np.float64]
+CALM, SWINGS, HITS = 0, 1, 2
+CLOSE = 2e-3  # of the steady lift: a smaller swing counts as none
+SETTLED = 1e-5  # relative change of the tops over BLOCK of them: it goes on like this
+BLOCK = 32
+TOLERANCE = 1e-6  # of a step, in steady lifts
+
+
+@kernel
+def verdict(y1: float, y2: float, y3: float, steady: float, most: int, s: System) -> tuple[int, float, int]:
+    """CALM, SWINGS or HITS; the last top in steady lifts; tops taken. Blocks of tops, until two are alike or `most`."""
+    at = Point(0.0, y1, y2, y3, 1e-2, 0.0)
+    before, highest, hit = -1.0, 0.0, False
+    n = 0
+    while n < most:
+        highest, hit = 0.0, False
+        for _ in range(BLOCK):
+            for _ in range(1000):
+                at = go_on(at, 1e300, TOLERANCE * steady, steady, s)
+                if at.event == TOP:
+                    break
+                hit = hit or at.event == HIT
+            highest = max(highest, at.y1)
+        n += BLOCK
+        swing = highest / steady - 1.0
+        if not hit and swing < CLOSE:
+            return CALM, highest / steady, n
+        if abs(highest - before) < SETTLED * max(highest - steady, 1e-12 * steady):
+            break
+        before = highest
+    return (HITS if hit else SWINGS), highest / steady, n
+
+
+@allocating_kernel
+def verdicts(starts: Array, steady: Array, systems: Array, law, most: int) -> tuple[Array, Array]:
+    """The verdict and the last top of each row: starts (n, 3), steady lifts (n), systems (n, 5) beta q e k r."""
+    kind, top = np.empty(len(steady)), np.empty(len(steady))
+    for i in range(len(steady)):
+        row = systems[i]
+        s = System(law, row[0], row[1], row[2], row[3], row[4])
+        found, highest, _ = verdict(starts[i, 0], starts[i, 1], starts[i, 2], steady[i], most, s)
+        kind[i], top[i] = found, highest
+    return kind, top
+
+
+def basin(s: System, lifts: Array, speeds: Array, most: int = 4000) -> Array:
+    """Verdicts for starts at a lift y1 and a speed y2, in steady lifts, y3 in equilibrium, (speeds, lifts)."""
+    at = rest(s)
+    x, v = np.meshgrid(lifts, speeds)
+    starts = np.column_stack([at.lift * x.ravel(), at.lift * v.ravel(), np.full(x.size, at.pressure)])
+    systems = np.tile(s[1:], (x.size, 1))
+    return verdicts(starts, np.full(x.size, at.lift), systems, s.law, most)[0].reshape(x.shape)
+
+
+def chart(s: System, flows: Array, dampings: Array, shut: bool, most: int = 4000) -> tuple[Array, Array]:
+    """Verdicts and last tops over flow and damping, (dampings, flows), the rest as in s.
+
+    shut: start from a shut valve; else from the equilibrium, opened by 1 % more.
+    """
+    q, k = np.meshgrid(flows, dampings)
+    steady = {flow: rest(s._replace(flow=float(flow))) for flow in flows}
+    lift, pressure = (np.array([steady[flow][i] for flow in q.ravel()]) for i in (0, 1))
+    still = np.zeros(q.size)
+    if shut:
+        starts = np.column_stack([still, still, np.full(q.size, s.precompression)])
+    else:
+        starts = np.column_stack([1.01 * lift, still, pressure])
+    systems = np.column_stack(
+        [np.full(q.size, s.beta), q.ravel(), np.full(q.size, s.precompression), k.ravel(), np.full(q.size, s.restitution)]
+    )
+    kind, top = verdicts(starts, lift, systems, s.law, most)
+    return kind.reshape(q.shape), top.reshape(q.shape)
+
+
+def bifurcation(s: System, flows: Array, skip: int = 600, count: int = 40) -> tuple[Array, Array, Array]:
+    """Flow, top and hardest impact speed, of `count` tops for each flow after `skip`, from a shut valve."""
+    columns = []
+    for flow in flows:
+        run = motion(s._replace(flow=float(flow)), (0.0, 0.0, s.precompression), skip, count, 1e-8)
+        columns.append(np.array([np.full(len(run.lift), flow), run.lift, run.impact]))
+    found = np.concatenate(columns, axis=1)
+    return found[0], found[1], found[2]
+
+
+def boundary_flow(kind: Array, flows: Array) -> Array:
+    """The flow up to which each row of a chart hits the seat, (dampings); nan: none."""
+    return np.array([flows[np.flatnonzero(row == HITS)[-1]] if (row == HITS).any() else math.nan for row in kind])
