@@ -51,7 +51,7 @@ def poppet(
         mass=mass,
         stiffness=stiffness,
         preload=stiffness * precompression,
-        drag=1.5 * oil.density * oil.viscosity * spring_diameter * math.pi * spring_turns,
+        drag=spring_drag(spring_diameter, spring_turns, oil),
         diameter=diameter,
         area=area,
         sine=math.sin(angle),
@@ -61,6 +61,11 @@ def poppet(
         head=oil.density / area**2,
         stops=stops,
     )
+
+
+def spring_drag(diameter: float, turns: float, oil: Oil) -> float:
+    """K [N s/m] of oil on a spring of a diameter [m], (2.44): 3/2 mu D pi n."""
+    return 1.5 * oil.density * oil.viscosity * diameter * math.pi * turns
 
 
 @kernel

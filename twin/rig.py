@@ -109,6 +109,15 @@ RIG: dict[str, dict[str, Entry]] = {
         "damping_length": Number(10e-3, "m", "named choice: the printed 32.74 N s/m needs 10 mm; 20 mm is stated"),
         "rest_speed": Number(1e-4, "m/s", "assumed, slower impacts of both stages are dead"),
     },
+    "chatter": {
+        "volume": Number(2.356e-4, "m^3", "4.2.1, before the pilot: 3 m of a pipe of 10 mm", TINY),
+        "modulus": Number(1.55e9, "Pa", "4.2.1, reduced; 1.135e9 measured in 2.2.3", TINY),
+        "discharge": Number(0.8, "", "named choice: the printed 9.14 l/min of (4.8) needs 0.8; 0.61 is stated", TINY),
+        "reference_lift": Number(0.23e-3, "m", "(4.6); the unit of lifts in chapter 4", TINY),
+        "seat_length": Number(3.21e-3, "m", "Figure 3.1, of the conical seat, along the gap", TINY),
+        "restitution": Number(0.8, "", "chapter 4, poppet on its seat", 0.0, 1.0),
+        "line_diameter": Number(10e-3, "m", "assumed, of an inlet line: 4.2.1's volume is 3 m of it", TINY),
+    },
     "filter": {
         "drop": Number(0.5e5, "Pa", "assumed, at its flow, in proportion to it"),
         "flow": Number(30e-3 / 60.0, "m^3/s", "assumed", TINY),

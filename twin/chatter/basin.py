@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.chatter.equilibrium import rest
+from twin.chatter.equilibrium import onset, rest
 from twin.chatter.flight import HIT, TOP, Point, go_on
 from twin.chatter.impact import motion
 from twin.chatter.system import System
@@ -20,8 +20,11 @@ TOLERANCE = 1e-6  # of a step, in steady lifts
 
 
 @kernel
-def verdict(y1: float, y2: float, y3: float, steady: float, most: int, s: System) -> tuple[int, float, int]:
-    """CALM, SWINGS or HITS; the last top in steady lifts; tops taken. Blocks of tops, until two are alike or `most`."""
+def verdict(y1: float, y2: float, y3: float, steady: float, stable: bool, most: int, s: System) -> tuple[int, float]:
+    """CALM, SWINGS or HITS; the last top in steady lifts. Blocks of tops, until two are alike or `most` are taken.
+
+    stable: is the equilibrium, by linear theory? A run that comes to rest on an unstable one is pushed off it.
+    """
     at = Point(0.0, y1, y2, y3, 1e-2, 0.0)
     before, highest, hit = -1.0, 0.0, False
     n = 0
@@ -37,22 +40,23 @@ def verdict(y1: float, y2: float, y3: float, steady: float, most: int, s: System
         n += BLOCK
         swing = highest / steady - 1.0
         if not hit and swing < CLOSE:
-            return CALM, highest / steady, n
+            if stable:
+                return CALM, highest / steady
+            at = Point(at.time, at.y1 + 5.0 * CLOSE * steady, at.y2, at.y3, at.step, 0.0)
         if abs(highest - before) < SETTLED * max(highest - steady, 1e-12 * steady):
             break
         before = highest
-    return (HITS if hit else SWINGS), highest / steady, n
+    return (HITS if hit else SWINGS), highest / steady
 
 
 @allocating_kernel
-def verdicts(starts: Array, steady: Array, systems: Array, law, most: int) -> tuple[Array, Array]:
-    """The verdict and the last top of each row: starts (n, 3), steady lifts (n), systems (n, 5) beta q e k r."""
+def verdicts(starts: Array, steady: Array, stable: Array, systems: Array, law, most: int) -> tuple[Array, Array]:
+    """The verdict and the last top of each row: starts (n, 3), steady lifts (n), is it stable (n), beta q e k r (n, 5)."""
     kind, top = np.empty(len(steady)), np.empty(len(steady))
     for i in range(len(steady)):
         row = systems[i]
         s = System(law, row[0], row[1], row[2], row[3], row[4])
-        found, highest, _ = verdict(starts[i, 0], starts[i, 1], starts[i, 2], steady[i], most, s)
-        kind[i], top[i] = found, highest
+        kind[i], top[i] = verdict(starts[i, 0], starts[i, 1], starts[i, 2], steady[i], stable[i], most, s)
     return kind, top
 
 
@@ -61,8 +65,8 @@ def basin(s: System, lifts: Array, speeds: Array, most: int = 4000) -> Array:
     at = rest(s)
     x, v = np.meshgrid(lifts, speeds)
     starts = np.column_stack([at.lift * x.ravel(), at.lift * v.ravel(), np.full(x.size, at.pressure)])
-    systems = np.tile(s[1:], (x.size, 1))
-    return verdicts(starts, np.full(x.size, at.lift), systems, s.law, most)[0].reshape(x.shape)
+    systems, stable = np.tile(s[1:], (x.size, 1)), np.full(x.size, s.damping > onset(s).damping)
+    return verdicts(starts, np.full(x.size, at.lift), stable, systems, s.law, most)[0].reshape(x.shape)
 
 
 def chart(s: System, flows: Array, dampings: Array, shut: bool, most: int = 4000) -> tuple[Array, Array]:
@@ -71,8 +75,9 @@ def chart(s: System, flows: Array, dampings: Array, shut: bool, most: int = 4000
     shut: start from a shut valve; else from the equilibrium, opened by 1 % more.
     """
     q, k = np.meshgrid(flows, dampings)
-    steady = {flow: rest(s._replace(flow=float(flow))) for flow in flows}
-    lift, pressure = (np.array([steady[flow][i] for flow in q.ravel()]) for i in (0, 1))
+    of_flow = [s._replace(flow=float(flow)) for flow in flows]
+    lift, pressure = (np.tile(column, len(dampings)) for column in np.array([rest(one) for one in of_flow]).T)
+    stable = (k > np.array([onset(one).damping for one in of_flow])).ravel()
     still = np.zeros(q.size)
     if shut:
         starts = np.column_stack([still, still, np.full(q.size, s.precompression)])
@@ -81,7 +86,7 @@ def chart(s: System, flows: Array, dampings: Array, shut: bool, most: int = 4000
     systems = np.column_stack(
         [np.full(q.size, s.beta), q.ravel(), np.full(q.size, s.precompression), k.ravel(), np.full(q.size, s.restitution)]
     )
-    kind, top = verdicts(starts, lift, systems, s.law, most)
+    kind, top = verdicts(starts, lift, stable, systems, s.law, most)
     return kind.reshape(q.shape), top.reshape(q.shape)
 
 

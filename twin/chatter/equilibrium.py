@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from twin.chatter.system import SeatLaw, System, derivative
+from twin.chatter.system import SeatLaw, System
 
 
 class Rest(NamedTuple):
@@ -45,13 +45,10 @@ def rest(s: System) -> Rest:
     def surplus(logarithm: float) -> float:
         return law.lift * logarithm + law.pressure * math.log(math.exp(logarithm) + e) - math.log(s.flow)
 
-    alone = (math.log(s.flow) - law.pressure * math.log(e)) / law.lift  # as if all pressure were precompression
-    none = math.log(s.flow) / (law.lift + law.pressure)
-    high = min(alone, none)
-    low = high - law.pressure / law.lift * math.log(2.0 + math.exp(high) / e) - 1.0
-    while surplus(low) > 0.0:
-        low -= 1.0
-    y = math.exp(float(brentq(surplus, low, high + 1e-9, xtol=1e-15)))  # pyright: ignore[reportArgumentType]
+    none, alone = math.log(s.flow) / (law.lift + law.pressure), (math.log(s.flow) - law.pressure * math.log(e)) / law.lift
+    high = min(none, alone)  # as if there were no precompression, or nothing else
+    low = (math.log(s.flow) - law.pressure * math.log(math.exp(high) + e)) / law.lift
+    y = math.exp(float(brentq(surplus, low - 1e-9, high + 1e-9, xtol=1e-15)))  # pyright: ignore[reportArgumentType]
     return Rest(y, y + e)
 
 
@@ -102,9 +99,3 @@ def crossing_speed(z: float, law: SeatLaw) -> float:
     k, m = critical_damping(n * z, z), n + 1.0
     w2 = 1.0 + k * z
     return (m - w2**2) * (m - w2) / (2.0 * (w2**2 * (m - w2) + m**2 * (w2 - 1.0)))
-
-
-def slope_by(s: System) -> tuple[float, float]:
-    """Derivatives of phi, first order, at the equilibrium by lift and pressure."""
-    at = rest(s)
-    return derivative(*at, (1, 0), s.law), derivative(*at, (0, 1), s.law)

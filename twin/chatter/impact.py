@@ -82,13 +82,13 @@ class ImpactOrbit(NamedTuple):
         return 2.0 * math.pi / self.period
 
 
-def impact_orbit(s: System, tolerance: float = 1e-12, settle: int = 400) -> ImpactOrbit:
-    """The period-one orbit that a shut valve settles into, by Newton on the map from top to top.
+def impact_orbit(s: System, tolerance: float = 1e-12, settle: int = 4000) -> ImpactOrbit:
+    """The period-one orbit that a valve twice as far open as in equilibrium settles into, by Newton on the map of tops.
 
     Raises ValueError where it does not settle there: a longer period, or chaos, or a calm valve.
     """
     at, scale = rest(s), rest(s).lift
-    run = motion(s, (0.0, 0.0, s.precompression), settle, 1, 1e-9)
+    run = motion(s, (2.0 * at.lift, 0.0, at.pressure), settle, 1, 1e-9)
     x = np.array([run.lift[0], run.pressure[0]])
     for _ in range(30):
         value, slope = _map(x, tolerance, scale, s)
