@@ -1,6 +1,6 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
-from bridge.cli import inspect, looking, processes, record, recordings, replay, running
+from bridge.cli import inspect, looking, processes, record, recordings, replay, running, valve
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {
@@ -35,3 +35,4 @@ PANELS = {
 for _panel, _verbs in PANELS.items():
     for _verb in _verbs:
         app.command(rich_help_panel=_panel)(_verb)
+app.add_typer(valve.app, name="valve", rich_help_panel=LOOK)

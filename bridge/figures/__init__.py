@@ -79,11 +79,12 @@ def draw_figure(name: str, directory: str | Path) -> tuple[Path, Path]:
     directory.mkdir(parents=True, exist_ok=True)
     picture, table = directory / f"{name}.png", directory / f"{name}.csv"
     sheet.savefig(picture)
-    _write(table, columns)
+    write_columns(table, columns)
     return picture, table
 
 
-def _write(path: Path, columns: Columns) -> None:
+def write_columns(path: Path, columns: Columns) -> None:
+    """A table as CSV, nine digits."""
     with path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(columns)

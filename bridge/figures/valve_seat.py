@@ -17,6 +17,7 @@ LIFTS = (0.1e-3, 0.2e-3, 0.3e-3, 0.4e-3, 0.5e-3)  # [m]
 ANGLES = (20.0, 40.0, 60.0, 80.0)  # [deg], 3.2
 SPEEDS = ((0.0, "-"), (5.0, "--"), (-5.0, ":"))  # [m/s], 3.2
 LENGTHS = (5e-3, 100e-3)  # [m], 3.2
+OUTLET = 1.0 * BAR  # of 3.9, assumed
 INLET, LIFT = 50.0 * BAR, 0.2e-3  # of 3.2; the source does not print its lift: assumed
 
 
@@ -105,7 +106,7 @@ def draw_force() -> tuple[Columns, Sheet]:
 
 
 def draw_components() -> tuple[Columns, Sheet]:
-    """Figure 3.9: nose, seat, and what the outlet pressure of 3 bar takes off."""
+    """Figure 3.9: nose, seat, and what the outlet pressure takes off."""
     drop = np.linspace(0.0, 40.0 * BAR, 41)
     columns: Columns = {"drop [Pa]": drop}
     page, panels = sheet("3.9  Parts of the pressure force on the cone", panels=2)
@@ -114,9 +115,6 @@ def draw_components() -> tuple[Columns, Sheet]:
     panels[0].legend(frameon=False)
     remark(page, f"outlet at {OUTLET / BAR:.0f} bar (assumed), so that its part shows; at 0 bar it is none")
     return columns, page
-
-
-OUTLET = 1.0 * BAR
 
 
 def _components(axes: Axes, x: float, drop: np.ndarray, columns: Columns) -> None:

@@ -93,7 +93,7 @@ def draw_inlet_line() -> tuple[Columns, Sheet]:
     rig = values()
     pilot = pilot_of(rig)
     flow = 0.3 * LITRE_PER_MINUTE
-    lengths = np.concatenate([np.linspace(0.02, 0.98, 97), np.linspace(1.0, 3.0, 61)])
+    lengths = np.concatenate([np.linspace(0.02, 0.96, 48), np.linspace(1.0, 3.0, 41)])
     columns: Columns = {"length [m]": lengths}
     names = {"pressure": "a large vessel at its other end", "flow": "a constant flow into its other end"}
     page, panels = sheet("A line before the valve: critical damping over its length", panels=2)

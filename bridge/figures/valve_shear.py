@@ -68,17 +68,20 @@ def difference(x: float, speed: float) -> float:
 
 def draw_profiles() -> tuple[Columns, Sheet]:
     """Figure 3.13."""
+    from scipy.interpolate import BarycentricInterpolator
+
     channel, reynolds = channel_at(LIFT, SPEED)
     gap = conical.gap(LIFT, conical_of(values())).H
-    own, plain = SPEED * channel.speed, SPEED * poiseuille(channel)
+    eta = np.linspace(0.0, 1.0, 121)
+    own, plain = (SPEED * BarycentricInterpolator(channel.eta, u)(eta) for u in (channel.speed, poiseuille(channel)))
     page, (axes,) = sheet("3.13  Velocity across the gap: diverging channel and Poiseuille")
-    axes.plot(own, channel.eta * gap / MM, color="black", label="diverging channel, (3.46)")
-    axes.plot(plain, channel.eta * gap / MM, "--", color="tab:red", label="Poiseuille, same pressure gradient")
+    axes.plot(own, eta * gap / MM, color="black", label="diverging channel, (3.46)")
+    axes.plot(plain, eta * gap / MM, "--", color="tab:red", label="Poiseuille, same pressure gradient")
     axes.set_ylim(0.0, gap / MM)
     label(axes, "u [m/s]", "distance from the cone [mm]")
     axes.legend(frameon=False)
     remark(page, f"v = {SPEED:.0f} m/s, x = {LIFT / MM} mm, middle of the seat: Re/ξ = {reynolds:.2f}")
-    return {"height [m]": channel.eta * gap, "u channel [m/s]": own, "u Poiseuille [m/s]": plain}, page
+    return {"height [m]": eta * gap, "u channel [m/s]": own, "u Poiseuille [m/s]": plain}, page
 
 
 def draw_difference() -> tuple[Columns, Sheet]:
@@ -119,6 +122,8 @@ def draw_viscous() -> tuple[Columns, Sheet]:
     right.plot(grid / MM, squeezed, color="tab:red", label="squeeze film")
     right.axhline(_spring_drag(), color="0.5", linestyle="--", linewidth=0.9, label="oil on the spring")
     right.set(xscale="log", yscale="log")
+    right.set_xticks([0.02, 0.05, 0.1, 0.2, 0.5], ["0.02", "0.05", "0.1", "0.2", "0.5"])
+    right.minorticks_off()
     right.legend(frameon=False, fontsize=8)
     label(right, "lift x [mm]", "K [N s/m]")
     return columns | {"lift [m]": grid, "shear damping [N s/m]": shear, "film damping [N s/m]": squeezed}, page

@@ -34,7 +34,7 @@ def tops(y1: float, y2: float, y3: float, skip: int, count: int, tolerance: floa
     rows = np.empty((count, 5))
     at = Point(0.0, y1, y2, y3, 1e-3, 0.0)
     n, hardest, hits = 0, 0.0, 0.0
-    for _ in range(200 * (skip + count)):
+    for _ in range(2000 * (skip + count)):
         at = go_on(at, 1e300, tolerance * scale, scale, s)
         if at.event == HIT:
             hardest, hits = max(hardest, -at.y2), hits + 1.0
