@@ -7,12 +7,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tests.benchmarks import lines, loop, plant, recorder, relief, replay, start, timing, view
+from tests.benchmarks import lines, loop, plant, recorder, relief, replay, start, timing, valves, view
 
 SECTIONS = {
     "plant": plant.rows,
     "lines": lines.rows,
     "relief": relief.rows,
+    "valves": valves.rows,
     "loop": loop.rows,
     "timing": timing.rows,
     "recorder": recorder.rows,
