@@ -12,14 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.oil import Oil
-from twin.poppet import cracking_pressure, gape
+from twin.poppet import cracking_pressure
 from twin.relief import Relief, ReliefState, relief
-from twin.relief_steady import pilot_lift, pilot_pressure, rest, steady_pressure
+from twin.relief_steady import pilot_flow, pilot_lift, pilot_pressure, rest, steady_pressure
 
 Array = NDArray[np.float64]
 DYNAMIC = (  # without effect at rest
     "pilot_mass", "pilot_restitution", "pilot_spring_diameter", "pilot_spring_turns", "pilot_travel", "spool_mass",
-    "spool_length", "spool_gap", "spool_restitution", "spool_travel", "damping_length", "rest_speed",
+    "spool_length", "spool_gap", "spool_restitution", "spool_travel", "damping_length", "rest_speed", "pilot_seat",
+    "film_floor", "channel_volume",
 )  # fmt: skip
 STEP = 1e-4  # of the logarithm
 
@@ -52,7 +53,7 @@ def curve(flows: Sequence[float] | Array, valve: Relief) -> Curve:
 
 
 def _pilot_flow(p: float, s: ReliefState, valve: Relief) -> float:
-    return gape(s.pilot_lift, valve.pilot)[0] * math.sqrt(pilot_pressure(p, s.pilot_lift, valve))
+    return pilot_flow(pilot_pressure(p, s.pilot_lift, valve), s.pilot_lift, valve)
 
 
 def knee(valve: Relief) -> Knee:

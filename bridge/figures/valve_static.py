@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from bridge.figures.canvas import Columns, Sheet, label, remark, shades, sheet
+from twin.build import relief_sizes
 from twin.chatter.build import chamfered_of
 from twin.oil import Oil, kinematic_viscosity
 from twin.orifice import Orifice, quadratic_flow, resistance
@@ -29,14 +30,9 @@ def oil_of(rig: Values) -> Oil:
     return Oil(oil["density"], kinematic_viscosity(oil["temperature"]), 1e9, oil["vapour_pressure"])
 
 
-def sizes_of(rig: Values) -> dict[str, float]:
-    """What `relief` takes, but for the precompression."""
-    return {name: v for name, v in rig["relief"].items() if name not in ("kind", "setting", "setting_flow")}
-
-
 def valve_of(rig: Values, precompression: float) -> Relief:
     """The relief valve with a pilot spring precompressed by so much [m]."""
-    return relief(oil_of(rig), pilot_precompression=precompression, **sizes_of(rig))
+    return relief(oil_of(rig), pilot_precompression=precompression, **relief_sizes(rig["relief"]))
 
 
 def tube_discharge(reynolds: np.ndarray) -> np.ndarray:

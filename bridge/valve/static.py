@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.figures.canvas import Columns, Sheet, label, sheet
-from bridge.figures.valve_static import oil_of, sizes_of, valve_of
+from bridge.figures.valve_static import oil_of, valve_of
+from twin.build import relief_sizes
 from twin.relief import Relief
 from twin.relief_sensitivity import Curve, Identified, Knee, curve, identifiable, knee, sensitivities, set_and_override
 from twin.relief_steady import precompression_for
@@ -34,7 +35,7 @@ def static(rig: Values) -> Static:
         raise ValueError("relief.kind is none: the rig has no relief valve; take two-stage")
     part = rig["relief"]
     x0 = precompression_for(part["setting"], part["setting_flow"], valve_of(rig, 0.0))
-    valve, sizes, oil = valve_of(rig, x0), {**sizes_of(rig), "pilot_precompression": x0}, oil_of(rig)
+    valve, sizes, oil = valve_of(rig, x0), {**relief_sizes(rig["relief"]), "pilot_precompression": x0}, oil_of(rig)
     flows = np.concatenate([np.geomspace(0.01, 1.0, 20), np.geomspace(1.2, 200.0, 40)]) * LITRE_PER_MINUTE
     names, shaped = set_and_override(LEAST, MOST, sizes, oil)
     sparse = flows[::4]

@@ -21,7 +21,7 @@ def conical_of(rig: Values) -> ConicalSeat:
     """The long seat that the pilot could have, for the same cone and inlet."""
     valve, oil = rig["relief"], rig["oil"]
     viscosity = oil["density"] * kinematic_viscosity(oil["temperature"])
-    return ConicalSeat(0.5 * valve["seat_diameter"], rig["chatter"]["seat_length"], valve["cone_angle"], viscosity)
+    return ConicalSeat(0.5 * valve["seat_diameter"], rig["relief"]["seat_length"], valve["cone_angle"], viscosity)
 
 
 def _oil(rig: Values) -> Oil:
