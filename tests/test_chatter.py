@@ -105,7 +105,9 @@ def test_soft_turns_hard_at_the_same_z_by_projection_and_by_orbits(law: SeatLaw)
     """The orbits' own coefficient at the projection's root, over its slope: z to six digits by both."""
     z = lyapunov.change(law)
     assert z == pytest.approx(CHANGE[law], abs=5e-7)
-    slope = (lyapunov.damping_by_amplitude(bare(1.01 * z, law)) - lyapunov.damping_by_amplitude(bare(z, law))) / (0.01 * z)
+    slope = (lyapunov.damping_by_amplitude(bare(1.01 * z, law)) - lyapunov.damping_by_amplitude(bare(z, law))) / (
+        0.01 * z
+    )
     assert abs(curvature(bare(z, law)) / slope) < 1e-6 * z
     assert lyapunov.first_coefficient(bare(0.99 * z, law)) < 0.0 < lyapunov.first_coefficient(bare(1.01 * z, law))
 

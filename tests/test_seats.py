@@ -69,9 +69,7 @@ def test_closed_forms_are_the_integrals_of_the_velocity_profile(place: tuple[flo
     assert integral(slope, L) == pytest.approx(-drop, abs=1e-10 * mean)
     p_out = 3.0 * BAR
     outer = g.r1 + L * sine
-    on_seat = integral(
-        lambda y: conical.pressure(y, x, drop + p_out, p_out, wall, seat) * (g.r1 + y * sine), L
-    )
+    on_seat = integral(lambda y: conical.pressure(y, x, drop + p_out, p_out, wall, seat) * (g.r1 + y * sine), L)
     force = math.pi * (g.r1**2 * (drop + p_out) - outer**2 * p_out) + 2.0 * math.pi * sine * on_seat
     scale = math.pi * outer**2 * (mean + p_out)
     assert conical.pressure_force(x, drop + p_out, p_out, wall, seat) == pytest.approx(force, abs=1e-10 * scale)
@@ -192,7 +190,9 @@ def test_the_chamfered_seat_is_table_2_2():
     assert found == pytest.approx([786.12, 309.37, 159.63, 95.55], abs=0.006)
     for x in (0.2 * MM, 0.5 * MM):
         q = chamfered.loss_flow(x, 40 * BAR, EDGE)
-        assert 0.5 * EDGE.density * chamfered.loss_coefficient(x, EDGE) * (q / EDGE.area) ** 2 == pytest.approx(40 * BAR)
+        assert 0.5 * EDGE.density * chamfered.loss_coefficient(x, EDGE) * (q / EDGE.area) ** 2 == pytest.approx(
+            40 * BAR
+        )
         assert chamfered.loss_flow(x, -40 * BAR, EDGE) == -q
     assert chamfered.pressure_force(0.2 * MM, 40 * BAR, 0.0, EDGE) == pytest.approx(40 * BAR * 24.6301e-6, rel=1e-6)
     assert chamfered.momentum_force(0.2 * MM, 1e-5, EDGE) < 0.0

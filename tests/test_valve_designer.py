@@ -71,7 +71,9 @@ def test_with_its_film_the_conical_seat_is_calm_where_the_pilot_works_without_it
     """Up to 1 l/min; the chamfered sings everywhere. By eigenvalues, not by K/K_crit."""
     for litres in (0.01, 0.1, 1.0):
         q = litres * LITRE_PER_MINUTE
-        assert growth(truly_damped(CONICAL, q, 0.23e-3, PILOT)) < 0.0 < growth(truly_damped(CHAMFERED, q, 0.23e-3, PILOT))
+        assert (
+            growth(truly_damped(CONICAL, q, 0.23e-3, PILOT)) < 0.0 < growth(truly_damped(CHAMFERED, q, 0.23e-3, PILOT))
+        )
     shear_only = compare(CONICAL, LITRE_PER_MINUTE, 0.23e-3, PILOT)
     assert shear_only.safety(*SHEAR) < 1.0 < shear_only.safety(*FILM)
 

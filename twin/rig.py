@@ -119,6 +119,7 @@ RIG: dict[str, dict[str, Entry]] = {
         "discharge": Number(0.8, "", "named choice: the printed 9.14 l/min of (4.8) needs 0.8; 0.61 is stated", TINY),
         "reference_lift": Number(0.23e-3, "m", "(4.6); the unit of lifts in chapter 4", TINY),
         "restitution": Number(0.8, "", "chapter 4, poppet on its seat", 0.0, 1.0),
+        "housing_mass": Number(8.0, "kg", "assumed, of the relief valve: what its accelerometer sat on", TINY),
         "line_diameter": Number(10e-3, "m", "assumed, of an inlet line: 4.2.1's volume is 3 m of it", TINY),
     },
     "filter": {

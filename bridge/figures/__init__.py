@@ -19,6 +19,7 @@ from bridge.figures import (
     valve_seat,
     valve_seats,
     valve_shear,
+    valve_spectrum,
     valve_static,
 )
 from bridge.figures.canvas import Columns, Sheet
@@ -65,6 +66,7 @@ _ALL = (
     Figure("impact", "Motion with impacts over the flow", valve_impact.draw_impact),
     Figure("impact-chart", "Calm, swinging or hitting over flow and damping", valve_impact.draw_chart),
     Figure("basin", "Hard loss of stability: which starts end calm", valve_impact.draw_basin),
+    Figure("chatter-spectrum", "Acceleration of the relief valve's housing in the rig", valve_spectrum.draw_spectrum),
 )
 FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 

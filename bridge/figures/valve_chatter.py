@@ -42,9 +42,7 @@ def draw_loss() -> tuple[Columns, Sheet]:
         axes.plot([k0 + spread, k0], [0.0, 0.0], color="black", label="equilibrium, stable")
         axes.plot([k0, k0 - spread], [0.0, 0.0], "--", color="black", label="equilibrium, unstable")
         style = "-" if stable else "--"
-        axes.plot(
-            [k0, *k], [0.0, *depth], style, color="tab:red", label=f"swing, {'stable' if stable else 'unstable'}"
-        )
+        axes.plot([k0, *k], [0.0, *depth], style, color="tab:red", label=f"swing, {'stable' if stable else 'unstable'}")
         axes.plot(k0, 0.0, "ko", markersize=5)
         axes.set_title(f"{kind}: {name}", fontsize=10)
         axes.set(xlim=(k0 + spread, k0 - spread), ylim=(-0.05, 1.05))

@@ -39,9 +39,7 @@ def draw_impact() -> tuple[Columns, Sheet]:
         for e, mark in ((0.0, "o"), (1.0, "^")):
             flow, top, impact = bifurcation(of_rig(law, e), flows, 1500, COUNT)
             for axes, value in zip(panels[:2], (top, impact), strict=True):
-                axes.plot(
-                    flow, value, mark, color=COLOURS[name], markersize=2.5, label=f"{name}, e = {e:g}", alpha=0.6
-                )
+                axes.plot(flow, value, mark, color=COLOURS[name], markersize=2.5, label=f"{name}, e = {e:g}", alpha=0.6)
             columns |= {
                 "q [-]": flow, f"top {name} e {e:g} [-]": top, f"impact speed {name} e {e:g} [-]": impact,
             }  # fmt: skip
@@ -113,5 +111,8 @@ def draw_basin() -> tuple[Columns, Sheet]:
     label(right, "top of the lift [steady lifts]", "pressure there [steady]")
     x, v = np.meshgrid(lifts, speeds)
     share = float((kind != 0).mean())
-    remark(page, f"k_crit = {onset(s).damping:.5f}: calm by linear theory; {100 * share:.0f} % of these starts end otherwise")
+    remark(
+        page,
+        f"k_crit = {onset(s).damping:.5f}: calm by linear theory; {100 * share:.0f} % of these starts end otherwise",
+    )
     return {"lift [-]": x.ravel(), "speed [-]": v.ravel(), "kind [0 calm; 1 swings; 2 hits]": kind.ravel()}, page

@@ -81,7 +81,10 @@ def draw_flow() -> tuple[Columns, Sheet]:
     axes.set(xlim=(0.0, 40.0), ylim=(0.0, None))
     label(axes, "$p_2 - p_{out}$ [bar]", "Q [l/min]")
     axes.legend(frameon=False, title="lift")
-    remark(page, "Laminar throughout; beyond some 1 l/min the inertia of the jet, left out here, takes a share of the drop.")
+    remark(
+        page,
+        "Laminar throughout; beyond some 1 l/min the inertia of the jet, left out here, takes a share of the drop.",
+    )
     return columns, page
 
 

@@ -37,7 +37,9 @@ def draw_equal_flow() -> tuple[Columns, Sheet]:
                     continue
                 safety = np.array([c.safety(*kinds) for c in found])
                 words = "spring's oil" if part == "spring" else part
-                right.plot(FLOWS / LITRE_PER_MINUTE, safety, STYLES[part], color=COLOURS[seat], label=f"{seat}: {words}")
+                right.plot(
+                    FLOWS / LITRE_PER_MINUTE, safety, STYLES[part], color=COLOURS[seat], label=f"{seat}: {words}"
+                )
                 columns[f"K over K_crit {seat} {part} [-]"] = safety
     left.set(xscale="log", yscale="log", xlim=(1e-3, 30.0))
     left.legend(frameon=False, fontsize=8)

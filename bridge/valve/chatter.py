@@ -86,7 +86,10 @@ def rows(found: dict[str, Any]) -> list[tuple[str, str]]:
         ("its own damping", f"{sum(damping.values()):.4g} N s/m ({shares})"),
         ("verdict", "it sings" if found["sings"] else "it is calm"),
         ("frequency of the swing that begins", f"{found['frequency']:.5g} Hz"),
-        ("loss of stability", f"{found['loss']} (l1 = {found['first_lyapunov_coefficient']:.3g}, z = {found['z']:.4g})"),
+        (
+            "loss of stability",
+            f"{found['loss']} (l1 = {found['first_lyapunov_coefficient']:.3g}, z = {found['z']:.4g})",
+        ),
     ]
     orbit = found.get("impact")
     if orbit:

@@ -84,7 +84,13 @@ def chart(s: System, flows: Array, dampings: Array, shut: bool, most: int = 4000
     else:
         starts = np.column_stack([1.01 * lift, still, pressure])
     systems = np.column_stack(
-        [np.full(q.size, s.beta), q.ravel(), np.full(q.size, s.precompression), k.ravel(), np.full(q.size, s.restitution)]
+        [
+            np.full(q.size, s.beta),
+            q.ravel(),
+            np.full(q.size, s.precompression),
+            k.ravel(),
+            np.full(q.size, s.restitution),
+        ]
     )
     kind, top = verdicts(starts, lift, stable, systems, s.law, most)
     return kind.reshape(q.shape), top.reshape(q.shape)

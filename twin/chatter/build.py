@@ -26,7 +26,9 @@ def conical_of(rig: Values) -> ConicalSeat:
 
 def _oil(rig: Values) -> Oil:
     oil = rig["oil"]
-    return Oil(oil["density"], kinematic_viscosity(oil["temperature"]), rig["chatter"]["modulus"], oil["vapour_pressure"])
+    return Oil(
+        oil["density"], kinematic_viscosity(oil["temperature"]), rig["chatter"]["modulus"], oil["vapour_pressure"]
+    )
 
 
 def pilot_of(rig: Values) -> Pilot:

@@ -45,7 +45,10 @@ def rest(s: System) -> Rest:
     def surplus(logarithm: float) -> float:
         return law.lift * logarithm + law.pressure * math.log(math.exp(logarithm) + e) - math.log(s.flow)
 
-    none, alone = math.log(s.flow) / (law.lift + law.pressure), (math.log(s.flow) - law.pressure * math.log(e)) / law.lift
+    none, alone = (
+        math.log(s.flow) / (law.lift + law.pressure),
+        (math.log(s.flow) - law.pressure * math.log(e)) / law.lift,
+    )
     high = min(none, alone)  # as if there were no precompression, or nothing else
     low = (math.log(s.flow) - law.pressure * math.log(math.exp(high) + e)) / law.lift
     y = math.exp(float(brentq(surplus, low - 1e-9, high + 1e-9, xtol=1e-15)))  # pyright: ignore[reportArgumentType]

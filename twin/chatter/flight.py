@@ -44,9 +44,7 @@ def move(y1: float, y2: float, y3: float, h: float, s: System) -> Move:
     p, q = h * 3.0 / 40.0, h * 9.0 / 40.0
     c1, c2, c3 = rates(y1 + p * a1 + q * b1, y2 + p * a2 + q * b2, y3 + p * a3 + q * b3, s)
     p, q, u = h * 44.0 / 45.0, -h * 56.0 / 15.0, h * 32.0 / 9.0
-    d1, d2, d3 = rates(
-        y1 + p * a1 + q * b1 + u * c1, y2 + p * a2 + q * b2 + u * c2, y3 + p * a3 + q * b3 + u * c3, s
-    )
+    d1, d2, d3 = rates(y1 + p * a1 + q * b1 + u * c1, y2 + p * a2 + q * b2 + u * c2, y3 + p * a3 + q * b3 + u * c3, s)
     p, q, u, v = h * 19372.0 / 6561.0, -h * 25360.0 / 2187.0, h * 64448.0 / 6561.0, -h * 212.0 / 729.0
     e1, e2, e3 = rates(
         y1 + p * a1 + q * b1 + u * c1 + v * d1,

@@ -45,7 +45,7 @@ def tops(y1: float, y2: float, y3: float, skip: int, count: int, tolerance: floa
             n, hardest, hits = n + 1, 0.0, 0.0
             if n == skip + count:
                 return rows
-    return rows[:max(0, n - skip)]
+    return rows[: max(0, n - skip)]
 
 
 def motion(s: System, start: tuple[float, float, float], skip: int, count: int, tolerance: float = TOLERANCE) -> Motion:
@@ -55,7 +55,9 @@ def motion(s: System, start: tuple[float, float, float], skip: int, count: int, 
 
 
 @kernel
-def next_top(y1: float, y3: float, tolerance: float, scale: float, s: System) -> tuple[float, float, float, float, float]:
+def next_top(
+    y1: float, y3: float, tolerance: float, scale: float, s: System
+) -> tuple[float, float, float, float, float]:
     """From a top to the next: lift, pressure, time between, hardest impact, impacts."""
     at = Point(0.0, y1, 0.0, y3, 1e-3, 0.0)
     hardest, hits = 0.0, 0.0
@@ -94,7 +96,7 @@ def impact_orbit(s: System, tolerance: float = 1e-12, settle: int = 4000) -> Imp
         value, slope = _map(x, tolerance, scale, s)
         change = np.linalg.solve(slope - np.eye(2), x - value[:2])
         x = x + change
-        if not (0.0 < x[0] and 0.0 < x[1]):
+        if not (x[0] > 0.0 and x[1] > 0.0):
             break
         if np.abs(change).max() <= 1e-9 * scale:
             lift, pressure, period, impact, hits = next_top(x[0], x[1], tolerance, scale, s)

@@ -41,7 +41,7 @@ def gap(x: float, seat: ConicalSeat) -> Gap:
     """The gap at a lift x > 0 [m]. Raises ValueError where there is none, or the cone would be thinner than nothing."""
     H = x * seat.sine
     r1 = seat.radius - H * seat.cosine
-    if not 0.0 < x or r1 <= 0.0:
+    if not x > 0.0 or r1 <= 0.0:
         most = seat.radius / (seat.sine * seat.cosine)
         raise ValueError(f"lift {x} m leaves no gap with a cone in it; take one above 0 and below {most:.4g} m")
     rm = seat.radius - 0.5 * H * seat.cosine
