@@ -1,4 +1,4 @@
-"""Chatter, smooth: equilibrium, critical damping, soft or hard by two routes, orbits up to the seat, a line before it."""
+"""Chatter, smooth: equilibrium, critical damping, soft or hard by two routes, orbits up to the seat, a line before."""
 
 import math
 
@@ -21,7 +21,8 @@ BETA = {CHAMFERED: 0.015132, CONICAL: 0.006538}
 BOTH = pytest.mark.parametrize("law", [CHAMFERED, CONICAL], ids=["chamfered", "conical"])
 CHANGE = {CHAMFERED: 2.763143, CONICAL: 4.602102}  # z of the soft-hard change, six digits
 SYSTEMS = st.builds(
-    System, st.sampled_from([CHAMFERED, CONICAL]), st.floats(1e-3, 5.0), st.floats(1e-4, 3.0), st.floats(0.0, 2.0, allow_subnormal=False),
+    System, st.sampled_from([CHAMFERED, CONICAL]), st.floats(1e-3, 5.0), st.floats(1e-4, 3.0),
+    st.floats(0.0, 2.0, allow_subnormal=False),
     st.just(0.0), st.just(0.8),
 )  # fmt: skip
 

@@ -135,5 +135,5 @@ def test_a_bifurcation_diagram_holds_the_tops_of_each_flow():
 
 
 def test_what_has_no_period_one_orbit_says_so():
-    with pytest.raises(ValueError, match="no period-one orbit at q = 0.1"):
+    with pytest.raises(ValueError, match=r"no period-one orbit at q = 0\.1"):
         impact_orbit(valve(CONICAL, 0.1, 0.0, k=0.1), settle=2000)

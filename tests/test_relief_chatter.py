@@ -79,7 +79,7 @@ def test_the_matrix_is_the_slope_of_the_equations():
     def rates(y: np.ndarray) -> np.ndarray:
         x, u, p2, lift, speed = y
         seat = mouth(lift, main)
-        low, high = 0.5 * p, 1.5 * p
+        low, high, inlet, q1 = 0.5 * p, 1.5 * p, p, 0.0
         for _ in range(80):
             inlet = 0.5 * (low + high)
             drop = inlet - p2

@@ -1,4 +1,4 @@
-"""Seats: every closed form against quadrature or a full solution, the corrected table, and what the misprints would give."""
+"""Seats: every closed form against quadrature or a full solution, the corrected table, what the misprints give."""
 
 import math
 

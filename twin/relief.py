@@ -57,7 +57,7 @@ def relief(
     film_floor: float,
     channel_volume: float,
 ) -> Relief:
-    """The valve of these numbers (SI). Orifices 1 and 3 are alike, the nozzle is orifice 2; pilot_seat 1.0: the long one."""
+    """The valve of these numbers (SI). Orifices 1 and 3 are alike, the nozzle is orifice 2; pilot_seat 1.0: long."""
     edge, nozzle = Orifice(orifice_discharge, orifice_transition), Orifice(nozzle_discharge, nozzle_transition)
     a_1, b_1 = resistance(math.pi / 4.0 * orifice_diameter**2, edge, oil)
     a_2, b_2 = resistance(math.pi / 4.0 * nozzle_diameter**2, nozzle, oil)

@@ -7,8 +7,8 @@ Symbols and signs: `README.md`, after (2.15) to (2.19), corrected (2.28), (2.39)
 the arrows. Q1 = Q2, Q_pl + A_in u = Q2 + A v, p3 = p2 + dp3(A v). The spool draws A v from the inlet and the poppet
 hands A_in u to the tank, so what goes in comes out: Q = Q_main + Q1 + A v. The inlet is the end of lines, p = c - z Q.
 
-The oil before the pilot seat may be compressible: C p2' = Q2 + A v - Q_pl - A_in u, by the trapezoidal rule, which takes
-no energy from a swing. Without it (C = 0, the source) the pilot cannot chatter by its own oil.
+The oil before the pilot seat may be compressible: C p2' = Q2 + A v - Q_pl - A_in u, by the trapezoidal rule, which
+takes no energy from a swing. Without it (C = 0, the source) the pilot cannot chatter by its own oil.
 """
 
 import math

@@ -75,7 +75,7 @@ def parameters(sizes: Mapping[str, float]) -> list[str]:
 
 
 def sensitivities(flows: Sequence[float] | Array, sizes: Mapping[str, float], oil: Oil) -> tuple[list[str], Array]:
-    """Names, and dp/d(ln parameter) [Pa], (flows, parameters), all others fixed, the pilot's precompression among them."""
+    """Names, and dp/d(ln parameter) [Pa], (flows, parameters), all others fixed, the precompressions among them."""
     names = parameters(sizes)
 
     def pressures(name: str, sign: float) -> Array:
@@ -87,7 +87,7 @@ def sensitivities(flows: Sequence[float] | Array, sizes: Mapping[str, float], oi
 
 
 def set_and_override(low: float, high: float, sizes: Mapping[str, float], oil: Oil) -> tuple[list[str], Array]:
-    """Names, and for each the change of the set pressure (at `low` [m^3/s]) and of the override up to `high`, (2, n) [Pa].
+    """Names, and the change of the set pressure (at `low` [m^3/s]) and of the override up to `high`, (2, n) [Pa].
 
     Per 1 of the parameter's logarithm: a hundredth of it for 1 %.
     """
@@ -102,11 +102,11 @@ class Identified(NamedTuple):
     singular: Array  # values of sensitivity/noise, falling: 1/value is the spread of its combination
     directions: Array  # combinations of ln parameters, a row each
     alone: Array  # spread of ln parameter, all others known
-    count: int  # combinations known better than `within`
+    known: int  # combinations known better than `within`
 
 
 def identifiable(names: list[str], sensitivity: Array, noise: float, within: float = 0.1) -> Identified:
-    """Singular values of the scaled sensitivities (flows, n) [Pa]; noise [Pa] of a reading; within: of ln, 0.1 is 10 %."""
+    """Singular values of scaled sensitivities (flows, n) [Pa]; noise [Pa] of a reading; within: of ln, 0.1 is 10 %."""
     _, singular, rows = np.linalg.svd(sensitivity / noise, full_matrices=False)
     size = np.sqrt((sensitivity**2).sum(axis=0))
     alone = np.divide(noise, size, out=np.full(len(names), math.inf), where=size > 0.0)

@@ -23,7 +23,7 @@ def static(scenario: SCENARIO = "step", changes: CHANGES = None, output: OUTPUT 
     from bridge.valve.static import static as found_of
 
     found = _asked(lambda: found_of(_rig(scenario, changes)))
-    paths = _save("valve-static", *draw(found), output)
+    paths = _save("valve-static", draw(found), output)
     if as_json:
         print_json(plain(found) | {"files": paths})
         return
@@ -32,7 +32,7 @@ def static(scenario: SCENARIO = "step", changes: CHANGES = None, output: OUTPUT 
     print(f"main stage opens at {knee.pressure / 1e5:.4f} bar, {knee.flow * 6e4:.5f} l/min\n")
     print("1 % of a parameter changes the set pressure (1 l/min) and the override (to 100 l/min) by [bar]:")
     print_table(("parameter", "set", "override", "known to, alone"), rows(found))
-    print(f"\nthe curve tells {found.told.count} combinations to 10 % or better, read with half a step of the card:")
+    print(f"\nthe curve tells {found.told.known} combinations to 10 % or better, read with half a step of the card:")
     print_table(("known to", "of ln(parameter)"), combinations(found.told))
     print("\n".join(paths))
 
@@ -57,7 +57,7 @@ def seat(
         return facts(kind, x, dp, rig), draw(kind, x, dp, rig)
 
     found, drawn = _asked(answer)
-    _tell(found, rows(found), _save(f"valve-seat-{kind}", *drawn, output), as_json)
+    _tell(found, rows(found), _save(f"valve-seat-{kind}", drawn, output), as_json)
 
 
 @app.command()
@@ -70,7 +70,7 @@ def chatter(
     output: OUTPUT = Path(),
     as_json: AS_JSON = False,
 ) -> None:
-    """Will it sing? A seat, a spring and a volume (rig.chatter) at a flow: damping needed and had, frequency, impacts."""
+    """Will it sing? Seat, spring and volume (rig.chatter) at a flow: damping needed and had, frequency, impacts."""
     from bridge.valve.chatter import draw, facts, rows
 
     def answer() -> tuple[dict[str, Any], Any]:
@@ -78,7 +78,7 @@ def chatter(
         return facts(kind, q, x0, rig), draw(kind, q, x0, rig)
 
     found, drawn = _asked(answer)
-    _tell(found, rows(found), _save(f"valve-chatter-{kind}", *drawn, output), as_json)
+    _tell(found, rows(found), _save(f"valve-chatter-{kind}", drawn, output), as_json)
 
 
 @app.command()
@@ -109,7 +109,7 @@ def chart(
         q, k = (np.linspace(*_range(text, name), cells) for text, name in ((flows, "flows"), (dampings, "dampings")))
         return draw(kind, s, q, k, workers)
 
-    paths = _save(f"valve-chart-{kind}", *_asked(answer), output)
+    paths = _save(f"valve-chart-{kind}", _asked(answer), output)
     if as_json:
         print_json(paths)
     else:
@@ -152,10 +152,10 @@ def _asked(answer: Any) -> Any:
         raise ScenarioError(str(error)) from None
 
 
-def _save(name: str, columns: Any, page: Any, output: Path) -> list[str]:
+def _save(name: str, drawn: Any, output: Path) -> list[str]:
     from bridge.valve.files import save
 
-    return [str(path) for path in save(name, columns, page, output)]
+    return [str(path) for path in save(name, *drawn, output)]
 
 
 def _tell(found: dict[str, Any], rows: list[tuple[str, str]], paths: list[str], as_json: bool) -> None:

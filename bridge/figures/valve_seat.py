@@ -83,7 +83,7 @@ def draw_flow() -> tuple[Columns, Sheet]:
     axes.legend(frameon=False, title="lift")
     remark(
         page,
-        "Laminar throughout; beyond some 1 l/min the inertia of the jet, left out here, takes a share of the drop.",
+        "Laminar throughout; beyond some 1 l/min the jet's inertia, left out here, takes a share of the drop.",
     )
     return columns, page
 

@@ -100,6 +100,7 @@ def draw_inlet_line() -> tuple[Columns, Sheet]:
     names = {"pressure": "a large vessel at its other end", "flow": "a constant flow into its other end"}
     page, panels = sheet("A line before the valve: critical damping over its length", panels=2)
     speed = math.sqrt(pilot.modulus / rig["oil"]["density"])
+    quarter = speed / (4.0 * reference(CONICAL, pilot).omega / (2.0 * math.pi))
     for axes, far_end in zip(panels, FAR_ENDS, strict=True):
         for seat, law in SEATS.items():
             s = system(law, flow, 0.0, pilot)
@@ -108,7 +109,6 @@ def draw_inlet_line() -> tuple[Columns, Sheet]:
             axes.axhline(onset(s).damping, color=COLOURS[seat], linestyle=":", linewidth=1.0)
             columns[f"k_crit {seat} {far_end} [-]"] = k
         axes.set_title(names[far_end], fontsize=10)
-        quarter = speed / (4.0 * reference(CONICAL, pilot).omega / (2.0 * math.pi))
         axes.axvline(quarter, color="0.6", linestyle="--", linewidth=0.9)
         axes.set(xlim=(0.0, 3.0), ylim=(0.0, 0.8))
         label(axes, "length [m]", "$k_{crit}$ [-]")

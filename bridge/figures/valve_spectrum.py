@@ -96,12 +96,14 @@ def draw_spectrum() -> tuple[Columns, Sheet]:
         _finish(axes, "the pump's teeth, 184.5 Hz and multiples" if ripple else "a pump without ripple")
     predicted = theory("chamfered pilot")
     panels[1].axvline(predicted.frequency, color="black", linestyle="--", linewidth=0.8)
-    words = f"small swings, theory: {predicted.frequency:.0f} Hz;\non its seat: {_loudest(heard('chamfered pilot', False)):.0f} Hz"
+    on_seat = _loudest(heard("chamfered pilot", False))
+    words = f"small swings, theory: {predicted.frequency:.0f} Hz;\non its seat: {on_seat:.0f} Hz"
     panels[1].text(60.0, 1.0, words, fontsize=8)
     panels[0].legend(frameon=False, fontsize=8, loc="upper right")
     remark(
         page,
-        "67 bar, 10 cm³ before the pilot (assumed); moving bodies and thrust of the inlet's pressure. Right: the conical pilot makes less than 10⁻⁵ m/s², the shut valve nothing",
+        "67 bar, 10 cm³ before the pilot (assumed); moving bodies and thrust of the inlet's pressure. "
+        "Right: the conical pilot makes less than 10⁻⁵ m/s², the shut valve nothing",
     )
     return columns, page
 

@@ -38,7 +38,8 @@ def facts(seat: str, flow: float, precompression: float, rig: Values) -> dict[st
     law, pilot = law_of(seat), pilot_of(rig)
     if not (flow > 0.0 and precompression >= 0.0):
         raise ValueError(
-            f"flow {flow} m^3/s, precompression {precompression} m: take a flow above 0 and a precompression of at least 0"
+            f"flow {flow} m^3/s, precompression {precompression} m: take a flow above 0 "
+            "and a precompression of at least 0"
         )
     own = compare(law, flow, precompression, pilot)
     s = truly_damped(law, flow, precompression, pilot)

@@ -63,7 +63,7 @@ def rows(found: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def draw(kind: str, x: float, drop: float, rig: Values) -> tuple[Columns, Sheet]:
-    """Flow and pressure force over the lift at the drop, the asked lift marked; of the conical seat the pressure too."""
+    """Flow and pressure force over the lift at the drop, the asked lift marked; for a conical seat the pressure too."""
     lifts = np.linspace(0.05, 2.0, 79) * x
     found = [facts(kind, float(lift), drop, rig) for lift in lifts if kind == "conical" or lift < _most(rig)]
     lifts = lifts[: len(found)]

@@ -56,7 +56,7 @@ def plain(found: Static) -> dict[str, Any]:
         },
         "identifiable": {
             "singular_values": told.singular.tolist(),
-            "count": told.count,
+            "count": told.known,
             "directions": [dict(zip(told.names, row, strict=True)) for row in told.directions.tolist()],
         },
     }
@@ -80,7 +80,7 @@ def rows(found: Static) -> list[tuple[str, str, str, str]]:
 def combinations(told: Identified) -> list[tuple[str, str]]:
     """How well each combination is known, and its greatest parts."""
     found = []
-    for value, row in zip(told.singular[: told.count], told.directions, strict=False):
+    for value, row in zip(told.singular[: told.known], told.directions, strict=False):
         parts = [f"{row[i]:+.2f} {told.names[i]}" for i in np.argsort(-np.abs(row))[:4]]
         found.append((f"{100.0 / value:.2g} %", "  ".join(parts)))
     return found

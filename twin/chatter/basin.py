@@ -1,4 +1,4 @@
-"""Which starts end calm, in a free swing, or on the seat: basins, a chart of flow and damping, and a bifurcation diagram."""
+"""Which starts end calm, in a free swing, or on the seat: basins, charts of flow and damping, bifurcation diagrams."""
 
 import math
 
@@ -11,7 +11,7 @@ from twin.chatter.impact import motion
 from twin.chatter.system import System
 from twin.kernel import allocating_kernel, kernel
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 CALM, SWINGS, HITS = 0, 1, 2
 CLOSE = 2e-3  # of the steady lift: a smaller swing counts as none
 SETTLED = 1e-5  # relative change of the tops over BLOCK of them: it goes on like this
@@ -50,8 +50,8 @@ def verdict(y1: float, y2: float, y3: float, steady: float, stable: bool, most: 
 
 
 @allocating_kernel
-def verdicts(starts: Array, steady: Array, stable: Array, systems: Array, law, most: int) -> tuple[Array, Array]:
-    """The verdict and the last top of each row: starts (n, 3), steady lifts (n), is it stable (n), beta q e k r (n, 5)."""
+def verdicts(starts: Array, steady: Array, stable, systems: Array, law, most: int) -> tuple[Array, Array]:
+    """Verdict and last top of each row: starts (n, 3), steady lifts (n), is it stable (n), beta q e k r (n, 5)."""
     kind, top = np.empty(len(steady)), np.empty(len(steady))
     for i in range(len(steady)):
         row = systems[i]

@@ -94,7 +94,7 @@ def bare(z: float, law: SeatLaw) -> System:
 
 
 def crossing_speed(z: float, law: SeatLaw) -> float:
-    """d Re(lambda)/dz at k = k_crit(z), without precompression, [(M - w^4)(M - w^2)]/[2 (w^4 (M - w^2) + M^2 (w^2 - 1))].
+    """d Re(lambda)/dz at k_crit(z), no precompression: [(M - w^4)(M - w^2)]/[2 (w^4 (M - w^2) + M^2 (w^2 - 1))].
 
     M = n + 1. Zero at z = 1, where k_crit has its maximum: z parametrises no bifurcation there, the damping does.
     """

@@ -1,8 +1,8 @@
 """Motion of the valve with impacts on its seat: Dormand-Prince 5(4) from event to event, each at its own instant.
 
 An event is solved for by the length of the step that ends in it, so it is as exact as the integration; there is no
-penalty spring. At an impact y2 becomes -r y2. Impacts slower than REST on a seat that pressure does not yet lift end the
-bouncing; the shut valve then waits until y3 = e, in closed form, as nothing flows.
+penalty spring. At an impact y2 becomes -r y2. Impacts slower than REST on a seat that pressure does not yet lift end
+the bouncing; the shut valve then waits until y3 = e, in closed form, as nothing flows.
 """
 
 from typing import NamedTuple
@@ -82,7 +82,7 @@ def moved(y1: float, y2: float, y3: float, h: float, s: System) -> Move:
 
 @kernel
 def event_step(y1: float, y2: float, y3: float, high: float, lift: bool, s: System) -> float:
-    """The step at whose end y1 (lift) or y2 (else) passes zero, known to do so in 0 .. high: Newton within a bracket."""
+    """The step at whose end y1 (lift) or y2 (else) passes zero, as it does in 0 .. high: Newton within a bracket."""
     low = 0.0
     start = y1 if lift else y2
     end = moved(y1, y2, y3, high, s)

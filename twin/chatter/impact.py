@@ -1,4 +1,4 @@
-"""What the valve does after a long time: calm, a free swing, or a swing that hits the seat; and exact period-one orbits.
+"""What the valve does after a long time: calm, a free swing, one that hits the seat; and exact period-one orbits.
 
 Section: the highest lifts, y2 = 0 from above. 4.4.3 of the source, whose pages are lost.
 """
@@ -14,7 +14,8 @@ from twin.chatter.flight import HIT, TOP, Point, go_on
 from twin.chatter.system import System
 from twin.kernel import allocating_kernel, kernel
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
+Top = tuple[float, float, float, float, float]
 TOLERANCE = 1e-10  # of a step, in steady lifts
 
 
@@ -113,7 +114,8 @@ def _map(x: Array, tolerance: float, scale: float, s: System) -> tuple[Array, Ar
     columns = []
     for k in range(2):
         d = 1e-5 * scale
-        ahead, behind = (next_top(*(x + sign * d * np.eye(2)[k]), tolerance, scale, s) for sign in (1.0, -1.0))
+        moved = [x + sign * d * np.eye(2)[k] for sign in (1.0, -1.0)]
+        ahead, behind = (next_top(float(y[0]), float(y[1]), tolerance, scale, s) for y in moved)
         columns.append((np.array(ahead[:2]) - np.array(behind[:2])) / (2.0 * d))
     return value, np.array(columns).T
 

@@ -7,6 +7,7 @@ energy only, so Re Y > 0 and 1 < w^2 < 1 + a1/a3: whatever the line, a valve sin
 """
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -59,7 +60,7 @@ def line_onsets(system: System, line: InletLine) -> list[Onset]:
     near = 1.0 + np.geomspace(1e-9, min(0.1, top - 1.0), 300)
     values = [(w, balance(w)) for w in np.union1d(grid, near)]
     found = []
-    for (w0, b0), (w1, b1) in zip(values, values[1:], strict=False):
+    for (w0, b0), (w1, b1) in pairwise(values):
         if b0 * b1 < 0.0:
             w = float(brentq(balance, w0, w1, xtol=1e-15))  # pyright: ignore[reportArgumentType]
             k = -answer(w).imag / w

@@ -63,7 +63,7 @@ def _run(y1, y2, y3, source, constant_flow, chamfered, bank, memory, steps, s):
 
 
 def run(system: System, line: InletLine, time: float, step: float, push: float = 1e-3) -> Array:
-    """Lifts at the steps of a run from the equilibrium, its lift pushed by a share. Only for a line without a volume."""
+    """Lifts at the steps of a run from the equilibrium, its lift pushed by a share; for a line without a volume."""
     if line.volume != 0.0:
         raise ValueError(f"volume {line.volume} at the valve: a run in time takes the line alone, volume 0.0")
     at, bank = rest(system), bank_of([spec(line)], step, -1e12)

@@ -1,21 +1,21 @@
 """Soft or hard: the first Lyapunov coefficient of the valve at the damping where it begins to sing.
 
-Kuznetsov's projection formula (Elements of Applied Bifurcation Theory, 5.4): with A q = i w q, A^T p = -i w p, <p, q> = 1,
+Kuznetsov's projection formula (Elements of Applied Bifurcation Theory, 5.4): A q = i w q, A^T p = -i w p, <p, q> = 1,
 `l1 = Re{ <p, C(q,q,q*)> - 2 <p, B(q, A^-1 B(q,q*))> + <p, B(q*, (2iw - A)^-1 B(q,q))> }/(2w)`. Here q is scaled so that
 its first entry is the steady lift: amplitudes are shares of the lift, and 1 would touch the seat. l1 < 0 is soft.
 """
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from twin.chatter.equilibrium import bare, jacobian, onset, rest
 from twin.chatter.system import SeatLaw, System, derivative
 
-Vector = NDArray[np.complex128]
+Vector = Any  # NDArray[complex128], which numpy's own annotations lose on the way
 
 
 class _Forms:
@@ -46,7 +46,7 @@ def first_coefficient(s: System) -> float:
 
 
 def _terms(s: System) -> tuple[float, float, float]:
-    """l1 in its parts: the cubic one, the quadratic one within the plane of the swing, and that by way of the third axis."""
+    """l1 in parts: the cubic one, the quadratic one within the plane of the swing, that by way of the third axis."""
     start = onset(s)
     matrix, w, one = jacobian(s._replace(damping=start.damping)), start.frequency, np.eye(3)
     q = _null(matrix - 1j * w * one)

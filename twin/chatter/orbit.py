@@ -67,7 +67,7 @@ def _slopes(y1: float, y3: float, law: SeatLaw) -> tuple[float, float]:
 
 
 def orbit(guess: Orbit, depth: float, free: str) -> Orbit:
-    """The orbit of a depth near a guess, its damping or its flow found with it. Raises ValueError where none is near."""
+    """The orbit of a depth near a guess, its damping or flow found with it. Raises ValueError where none is near."""
     s, y3, period = guess.system, guess.pressure, guess.period
     for _ in range(12):
         at = rest(s)

@@ -1,1 +1,1 @@
-"""Seats of poppet valves: what oil does in the gap, in closed form and, where there is none, as a boundary value problem."""
+"""Seats of poppet valves: what oil does in the gap, in closed form or by a boundary value problem."""
