@@ -7,7 +7,8 @@ through orifice 3, laminar about rest: a damper forty times as soft as the suppl
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ from twin.main_stage import mouth, spool_drag
 from twin.poppet import gape, poppet_drag
 from twin.relief_network import Relief
 from twin.relief_steady import pilot_flow, pilot_lift, pilot_pressure, rest
+
+Impedance = Callable[[complex], complex]
 
 
 class Swing(NamedTuple):
@@ -58,10 +61,10 @@ def _slopes(pressure: float, valve: Relief) -> _Slopes:
     )
 
 
-def valve_matrix(pressure: float, z: float, valve: Relief) -> NDArray[np.float64]:
+def valve_matrix(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
     """The Jacobian of (x, x', p2, X, X'), or of the first three with the spool shut, at an inlet pressure [Pa].
 
-    z: impedance of the lines [Pa s/m^3], 0.0 for a constant pressure. Raises ValueError where the pilot is shut, or
+    z: impedance of the lines [Pa s/m^3], 0.0 for a constant pressure; complex at one s of Laplace's. Raises ValueError where the pilot is shut, or
     the oil before it incompressible.
     """
     if valve.capacity <= 0.0:
@@ -73,7 +76,7 @@ def valve_matrix(pressure: float, z: float, valve: Relief) -> NDArray[np.float64
     inlet = z / (1.0 + z * (through + s.supply))  # p falls by this times what more is drawn
     by_p2, by_spool, by_speed = inlet * s.supply, -inlet * seat.conductance_slope * root, -inlet * main.area
     g = s.supply / C
-    matrix = np.zeros((5, 5))
+    matrix = np.zeros((5, 5), type(z))
     matrix[0, 1] = matrix[3, 4] = 1.0
     drag = poppet_drag(s.lift, pilot)
     matrix[1, :3] = -s.stiffness / pilot.mass, -drag / pilot.mass, s.area / pilot.mass
@@ -98,6 +101,42 @@ def swing(pressure: float, z: float, valve: Relief) -> Swing:
     s = _slopes(pressure, valve)
     flow = pilot_flow(s.p2, s.lift, valve)
     return Swing(s.lift, s.p2, flow, float(least.real), float(least.imag) / (2.0 * math.pi))
+
+
+def swings_with_lines(pressure: float, impedance: Impedance, valve: Relief) -> list[tuple[float, float]]:
+    """Growth [1/s] and frequency [Hz] of the oscillations between 1 and 3 kHz, the fastest growing first.
+
+    impedance: Z(s) [Pa s/m^3] of the lines at the inlet. Roots of det(s - M(Z(s))) by the secant rule from a start
+    every 20 Hz: the lines' own modes are among them, and which of them the pilot takes up is theirs to decide.
+    """
+    size = np.linalg.norm(valve_matrix(pressure, 0.0, valve))
+
+    def characteristic(s: complex) -> complex:
+        matrix = valve_matrix(pressure, complex(impedance(s)), valve)
+        return complex(np.linalg.det((s * np.eye(len(matrix)) - matrix) / size))
+
+    found: list[complex] = []
+    for start in 2.0 * math.pi * np.arange(1000.0, 3000.0, 20.0):
+        root = _root(characteristic, 1j * float(start))
+        known = any(abs(root - other) < 1e-3 * abs(other) for other in found) if root is not None else True
+        if root is not None and not known and 1000.0 < root.imag / (2.0 * math.pi) < 3000.0:
+            found.append(root)
+    return sorted(((s.real, s.imag / (2.0 * math.pi)) for s in found), reverse=True)
+
+
+def _root(function: Callable[[complex], complex], start: complex) -> complex | None:
+    a, b = start, start * (1.0 + 1e-4) + 1.0
+    f_a, f_b = function(a), function(b)
+    for _ in range(40):
+        if f_a == f_b:
+            return None
+        a, b, f_a = b, b - f_b * (b - a) / (f_b - f_a), f_b
+        if not abs(b) < 1e6:
+            return None
+        f_b = function(b)
+        if abs(b - a) < 1e-9 * abs(b):
+            return b
+    return None
 
 
 def chatter_volumes(pressure: float, z: float, modulus: float, valve: Relief) -> tuple[float, float] | None:

@@ -155,7 +155,8 @@ def _asked(answer: Any) -> Any:
 def _save(name: str, drawn: Any, output: Path) -> list[str]:
     from bridge.valve.files import save
 
-    return [str(path) for path in save(name, *drawn, output)]
+    columns, page = drawn
+    return [str(path) for path in save(name, columns, page, output)]
 
 
 def _tell(found: dict[str, Any], rows: list[tuple[str, str]], paths: list[str], as_json: bool) -> None:

@@ -1,7 +1,7 @@
 """Own figure `chatter-spectrum`: acceleration of the relief valve's housing in the rig. Source: 4.5, measured there.
 
 The frequency that appears only when the valve works. The valve shut (tandem centre, the pump idles), at work with the
-chamfered pilot, at work with the conical one; 10 cm^3 of oil before the pilot (assumed), 67 bar.
+chamfered pilot, at work with the conical one; 20 cm^3 of oil before the pilot (assumed), 67 bar.
 """
 
 import math
@@ -12,15 +12,16 @@ import numpy as np
 
 from bridge.figures.canvas import Array, Axes, Columns, Sheet, label, remark, sheet
 from twin.build import build
-from twin.circuit import TEE_1, TEE_2, Circuit
+from twin.circuit import Circuit
 from twin.equilibrium import equilibrium, supply_at_rest
 from twin.housing import Shaken, reaction, shake, spectrum, thrust
-from twin.pilot_theory import Swing, swing
+from twin.lines.theory import losses
+from twin.pilot_theory import swings_with_lines
 from twin.rig import values
 from twin.state import State
 
 STEP = 25e-6  # [s]
-VOLUME = 10e-6  # [m^3], assumed
+VOLUME = 20e-6  # [m^3], assumed
 SECONDS, SETTLE = 0.75, 0.4  # [s]
 PUSH = 1.1  # of the poppet's lift at the start
 CASES = {
@@ -69,12 +70,25 @@ def heard(case: str, ripple: bool) -> Heard:
     return Heard(run, frequency, alone, spectrum(bodies + thrust(run, bore, housing), STEP)[1])
 
 
-def theory(case: str) -> Swing:
-    """The swing at rest by linear theory, both lines at the tee as their characteristic impedance."""
-    circuit = rig_of(case, ripple=False)
-    z0 = circuit.lines.z0
-    z = 1.0 / (1.0 / z0[TEE_1 // 2] + 1.0 / z0[TEE_2 // 2])
-    return swing(supply_at_rest(circuit).tee, float(z), circuit.parts.relief)
+def tee_impedance(s: complex, circuit: Circuit) -> complex:
+    """Z(s) at the tee: line 1 from the pump, which leaks, and line 2 to the shut valve, exact and laminar."""
+    lines, oil = circuit.lines, circuit.parts.oil
+    whole = 0.0 + 0.0j
+    for line, far in ((0, circuit.parts.pump.leakage), (1, 0.0)):
+        z0, travel = float(lines.z0[line]), float(lines.travel_time[line])
+        diameter = values()[f"pipe_{line + 1}"]["diameter"]
+        n = np.sqrt(losses(np.complex128(s), diameter**2 / (4.0 * oil.viscosity), "unsteady"))
+        through = np.tanh(s * travel * n)
+        y = 1.0 / (z0 * n)
+        whole += y * (far + y * through) / (y + far * through)
+    return complex(1.0 / whole)
+
+
+def theory(case: str, volume: float = VOLUME) -> tuple[float, float]:
+    """Growth [1/s] and frequency [Hz] at rest by linear theory with both lines."""
+    circuit = rig_of(case, ripple=False, volume=volume)
+    tee = supply_at_rest(circuit).tee
+    return swings_with_lines(tee, lambda s: tee_impedance(s, circuit), circuit.parts.relief)[0]
 
 
 def draw_spectrum() -> tuple[Columns, Sheet]:
@@ -94,15 +108,15 @@ def draw_spectrum() -> tuple[Columns, Sheet]:
                 f"{case} {words} bodies alone [m/s^2]": found.bodies,
             }
         _finish(axes, "the pump's teeth, 184.5 Hz and multiples" if ripple else "a pump without ripple")
-    predicted = theory("chamfered pilot")
-    panels[1].axvline(predicted.frequency, color="black", linestyle="--", linewidth=0.8)
+    predicted = theory("chamfered pilot")[1]
+    panels[1].axvline(predicted, color="black", linestyle="--", linewidth=0.8)
     on_seat = _loudest(heard("chamfered pilot", False))
-    words = f"small swings, theory: {predicted.frequency:.0f} Hz;\non its seat: {on_seat:.0f} Hz"
+    words = f"small swings, theory: {predicted:.0f} Hz;\non its seat: {on_seat:.0f} Hz"
     panels[1].text(60.0, 1.0, words, fontsize=8)
     panels[0].legend(frameon=False, fontsize=8, loc="upper right")
     remark(
         page,
-        "67 bar, 10 cm³ before the pilot (assumed); moving bodies and thrust of the inlet's pressure. "
+        "67 bar, 20 cm³ before the pilot (assumed); moving bodies and thrust of the inlet's pressure. "
         "Right: the conical pilot makes less than 10⁻⁵ m/s², the shut valve nothing",
     )
     return columns, page
