@@ -173,7 +173,7 @@ def test_theory_refuses_what_it_has_not():
 
 @pytest.mark.parametrize(("volume", "sign"), [(10.0, -1.0), (20.0, 1.0)])
 def test_a_pilot_that_chatters_in_theory_chatters_in_the_rig(volume: float, sign: float):
-    """Theory with both lines as they are, exact and laminar, on both sides of its edge: small swings of the whole rig."""
+    """Theory with both lines as they are, exact and laminar, on both sides of its edge; small swings of the rig."""
     growth, frequency = theory("chamfered pilot", volume * CM3)
     assert growth * sign > 0.0
     circuit = rig_of("chamfered pilot", ripple=False, volume=volume * CM3)
@@ -187,7 +187,7 @@ def test_a_pilot_that_chatters_in_theory_chatters_in_the_rig(volume: float, sign
 
 
 def test_in_the_rig_the_housing_hears_the_chattering_pilot_alone():
-    """Without ripple, 67 bar, 20 cm^3: on its seat a little above the frequency of theory and its multiples. The conical
+    """Without ripple, 67 bar, 20 cm^3: on its seat a little above the frequency of theory. The conical
     pilot is 1000 times as quiet; with the valve shut nothing moves."""
     chamfered, long, shut = (heard(case, False) for case in ("chamfered pilot", "conical pilot", "valve shut"))
     peak = chamfered.frequency[100:][chamfered.bodies[100:].argmax()]

@@ -64,8 +64,8 @@ def _slopes(pressure: float, valve: Relief) -> _Slopes:
 def valve_matrix(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
     """The Jacobian of (x, x', p2, X, X'), or of the first three with the spool shut, at an inlet pressure [Pa].
 
-    z: impedance of the lines [Pa s/m^3], 0.0 for a constant pressure; complex at one s of Laplace's. Raises ValueError where the pilot is shut, or
-    the oil before it incompressible.
+    z: impedance of the lines [Pa s/m^3], 0.0 for a constant pressure; complex at one s of Laplace's. Raises ValueError
+    where the pilot is shut, or the oil before it incompressible.
     """
     if valve.capacity <= 0.0:
         raise ValueError("the oil before the pilot is incompressible: take a relief.channel_volume above 0")
