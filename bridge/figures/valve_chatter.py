@@ -14,20 +14,13 @@ COLOURS = {"chamfered": "tab:blue", "conical": "tab:red"}
 Z = np.concatenate([np.geomspace(1e-3, 0.05, 20), np.linspace(0.06, 5.0, 200)])
 PRINTED = 1.323  # 4.2.3
 SOFT, HARD = bare(0.5, CONICAL), bare(4.5, CHAMFERED)
-DEPTHS = np.array([0.05, 0.15, 0.3, 0.45, 0.6, 0.75, 0.88, 1.0])
+DEPTHS = np.array([0.03, 0.08, 0.15, 0.23, 0.32, 0.42, 0.52, 0.62, 0.72, 0.82, 0.91, 1.0])
 
 
 def branch(s: System, depths: Array) -> tuple[Array, Array, float]:
-    """Damping and depth of the orbits, as far as they can be followed, and k_crit."""
-    k0 = onset(s).damping
-    found = [small(s, float(depths[0]))]
-    for depth in depths:
-        try:
-            found.append(follow(found[-1], np.array([depth]), "damping")[-1])
-        except ValueError:
-            break
-    orbits = found[1:]
-    return np.array([o.system.damping for o in orbits]), np.array([o.depth for o in orbits]), k0
+    """Damping and depth of the orbits, and k_crit."""
+    found = follow(small(s, float(depths[0])), depths, "damping", tolerance=1e-10)
+    return np.array([o.system.damping for o in found]), np.array([o.depth for o in found]), onset(s).damping
 
 
 def draw_loss() -> tuple[Columns, Sheet]:
@@ -48,14 +41,9 @@ def draw_loss() -> tuple[Columns, Sheet]:
         axes.set(xlim=(k0 + spread, k0 - spread), ylim=(-0.05, 1.05))
         label(axes, "damping k [-], falling", "depth of the swing [steady lifts]")
         axes.legend(frameon=False, fontsize=8, loc="upper left" if stable else "upper right")
-        columns |= {f"{kind} damping [-]": _padded(k), f"{kind} depth [-]": _padded(depth)}
+        columns |= {f"{kind} damping [-]": k, f"{kind} depth [-]": depth}
     remark(page, "depth 1: the poppet touches its seat")
     return columns, page
-
-
-def _padded(values: Array) -> Array:
-    """So long that all columns are alike: the last value again."""
-    return np.concatenate([values, np.full(len(DEPTHS) - len(values), values[-1])])
 
 
 def _over_z(axes: Axes, quantity: str) -> dict[str, Array]:

@@ -37,7 +37,7 @@ def draw_impact() -> tuple[Columns, Sheet]:
     page, panels = sheet("Motion with impacts over the flow; section: y₂ = 0 from above", panels=3)
     for name, law in SEATS.items():
         for e, mark in ((0.0, "o"), (1.0, "^")):
-            flow, top, impact = bifurcation(of_rig(law, e), flows, 1500, COUNT)
+            flow, top, impact = bifurcation(of_rig(law, e), flows, 800, COUNT)
             for axes, value in zip(panels[:2], (top, impact), strict=True):
                 axes.plot(flow, value, mark, color=COLOURS[name], markersize=2.5, label=f"{name}, e = {e:g}", alpha=0.6)
             columns |= {
@@ -58,8 +58,8 @@ def draw_impact() -> tuple[Columns, Sheet]:
 
 
 def draw_chart() -> tuple[Columns, Sheet]:
-    """Flow and damping, both seats, e = 0 and 1: what a push of 1 % ends in. 24 x 24 here; the verb draws any size."""
-    flows, dampings = np.linspace(0.01, 0.5, 24), np.linspace(1e-4, 0.02, 24)
+    """Flow and damping, both seats, e = 0 and 1: what a push of 1 % ends in. 20 x 20 here; the verb draws any size."""
+    flows, dampings = np.linspace(0.01, 0.5, 20), np.linspace(1e-4, 0.02, 20)
     q, k = np.meshgrid(flows, dampings)
     columns: Columns = {"q [-]": q.ravel(), "k [-]": k.ravel()}
     page, panels = sheet("What a push of 1 % ends in, e = 1", panels=2)
@@ -96,7 +96,7 @@ def draw_basin() -> tuple[Columns, Sheet]:
     z = 1.6 * change(CHAMFERED)
     edge = follow(small(bare(z, CHAMFERED), 0.02), np.array([0.02, 0.06, 0.12, 0.18, 0.24, 0.3]), "damping")[-1]
     s = edge.system._replace(restitution=0.8)
-    lifts, speeds = np.linspace(0.0, 2.0, 40), np.linspace(-1.2, 1.2, 40)
+    lifts, speeds = np.linspace(0.0, 2.0, 32), np.linspace(-1.2, 1.2, 32)
     kind = basin(s, lifts, speeds, 600)
     page, (left, right) = sheet(f"Hard loss: chamfered, z = {z:.3f}, k = {s.damping:.5f}", panels=2)
     patches(left, lifts, speeds, kind)

@@ -97,10 +97,12 @@ def chart(s: System, flows: Array, dampings: Array, shut: bool, most: int = 4000
 
 
 def bifurcation(s: System, flows: Array, skip: int = 600, count: int = 40) -> tuple[Array, Array, Array]:
-    """Flow, top and hardest impact speed, of `count` tops for each flow after `skip`, from a shut valve."""
+    """Flow, top and hardest impact speed, of `count` tops for each flow after `skip`, from twice the steady lift."""
     columns = []
     for flow in flows:
-        run = motion(s._replace(flow=float(flow)), (0.0, 0.0, s.precompression), skip, count, 1e-8)
+        own = s._replace(flow=float(flow))
+        at = rest(own)
+        run = motion(own, (2.0 * at.lift, 0.0, at.pressure), skip, count, 1e-8)
         columns.append(np.array([np.full(len(run.lift), flow), run.lift, run.impact]))
     found = np.concatenate(columns, axis=1)
     return found[0], found[1], found[2]

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from twin.chatter.equilibrium import bare, onset, rest
 from twin.chatter.system import SeatLaw, System, derivative, outflow
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 TOLERANCE = 3e-14  # of the integration, relative
 CLOSE = 1e-8  # relative: a smaller correction is the last, its error is of its square
 AMPLITUDES = (0.03, 0.05, 0.08, 0.11)  # of `curvature`
@@ -37,7 +37,7 @@ class Orbit(NamedTuple):
         return np.array([rest(self.system).lift * (1.0 - self.depth), 0.0, self.pressure])
 
 
-def variation(start: Array, time: float, s: System, free: str) -> tuple[Array, Array]:
+def variation(start: Array, time: float, s: System, free: str, tolerance: float = TOLERANCE) -> tuple[Array, Array]:
     """The state after a time, (3), and its derivatives by the start and by the free parameter, (3, 4)."""
 
     def slope(_: float, y: Array) -> Array:
@@ -50,8 +50,8 @@ def variation(start: Array, time: float, s: System, free: str) -> tuple[Array, A
         return np.concatenate([motion, columns.ravel()])
 
     begin = np.concatenate([start, np.eye(3, 4).ravel()])
-    scale = 1e-2 * TOLERANCE * max(start[2], 1e-6)
-    end = solve_ivp(slope, (0.0, time), begin, method="DOP853", rtol=TOLERANCE, atol=scale, first_step=0.05).y[:, -1]
+    scale = 1e-2 * tolerance * max(start[2], 1e-6)
+    end = solve_ivp(slope, (0.0, time), begin, method="DOP853", rtol=tolerance, atol=scale, first_step=0.05).y[:, -1]
     return end[:3], end[3:].reshape(3, 4)
 
 
@@ -66,13 +66,13 @@ def _slopes(y1: float, y3: float, law: SeatLaw) -> tuple[float, float]:
     return by_lift * y3**law.pressure, y1**law.lift * derivative(1.0, y3, (0, 1), law)
 
 
-def orbit(guess: Orbit, depth: float, free: str) -> Orbit:
+def orbit(guess: Orbit, depth: float, free: str, tolerance: float = TOLERANCE) -> Orbit:
     """The orbit of a depth near a guess, its damping or flow found with it. Raises ValueError where none is near."""
     s, y3, period = guess.system, guess.pressure, guess.period
     for _ in range(12):
         at = rest(s)
         start = np.array([at.lift * (1.0 - depth), 0.0, y3])
-        end, by = variation(start, period, s, free)
+        end, by = variation(start, period, s, free, tolerance)
         # y_e depends on a free flow: y_e' = (y_e/q)/(a + b y_e/(y_e + e))
         lift_slope = 0.0
         if free == "flow":
@@ -120,9 +120,9 @@ def small_of_flow(s: System, depth: float) -> Orbit:
     return small(s._replace(flow=float(q)), depth)  # pyright: ignore[reportArgumentType]
 
 
-def follow(first: Orbit, depths: Array, free: str) -> list[Orbit]:
+def follow(first: Orbit, depths: Array, free: str, tolerance: float = TOLERANCE) -> list[Orbit]:
     """The orbits of rising depths, each from the two before it."""
-    found = [orbit(first, float(depths[0]), free)]
+    found = [orbit(first, float(depths[0]), free, tolerance)]
     for depth in depths[1:]:
         guess = found[-1]
         if len(found) > 1:
@@ -135,7 +135,7 @@ def follow(first: Orbit, depths: Array, free: str) -> list[Orbit]:
                 b.pressure + share * (b.pressure - a.pressure),
                 b.period + share * (b.period - a.period),
             )
-        found.append(orbit(guess, float(depth), free))
+        found.append(orbit(guess, float(depth), free, tolerance))
     return found
 
 
