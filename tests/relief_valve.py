@@ -45,6 +45,10 @@ SHEET = {
     "spool_discharge": 0.61,
     "damping_length": 0.01,
     "rest_speed": 1e-4,
+    "pilot_seat": 0.0,
+    "seat_length": 3.21e-3,
+    "film_floor": 5e-6,
+    "channel_volume": 0.0,
 }
 
 

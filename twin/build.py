@@ -78,11 +78,17 @@ def _pump(pump: Entries) -> Pump:
 
 def _relief(valve: Entries, oil: Oil) -> Relief:
     """The valve whose pilot spring is precompressed for its setting."""
-    sizes = {name: value for name, value in valve.items() if name not in ("kind", "setting", "setting_flow")}
+    sizes = relief_sizes(valve)
     if valve["kind"] == "none":
         return relief(oil, pilot_precompression=0.0, **sizes)
     unset = relief(oil, pilot_precompression=0.0, **sizes)
     return relief(oil, pilot_precompression=precompression_for(valve["setting"], valve["setting_flow"], unset), **sizes)
+
+
+def relief_sizes(valve: Entries) -> dict[str, float]:
+    """What `relief` takes of a rig's numbers, but for the precompression."""
+    sizes = {name: value for name, value in valve.items() if name not in ("kind", "setting", "setting_flow")}
+    return sizes | {"pilot_seat": float(valve["pilot_seat"] == "conical")}
 
 
 def _fitting(strainer: Entries, two_position: Entries) -> Fitting:

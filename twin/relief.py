@@ -9,6 +9,7 @@ import math
 
 from twin.contact import Stops
 from twin.kernel import inlined
+from twin.long_seat import LongSeat
 from twin.main_stage import main_stage
 from twin.oil import Oil
 from twin.orifice import Orifice, resistance
@@ -51,8 +52,12 @@ def relief(
     spool_discharge: float,
     damping_length: float,
     rest_speed: float,
+    pilot_seat: float,
+    seat_length: float,
+    film_floor: float,
+    channel_volume: float,
 ) -> Relief:
-    """The valve of these numbers (SI). Orifices 1 and 3 are alike, the nozzle is orifice 2."""
+    """The valve of these numbers (SI). Orifices 1 and 3 are alike, the nozzle is orifice 2; pilot_seat 1.0: long."""
     edge, nozzle = Orifice(orifice_discharge, orifice_transition), Orifice(nozzle_discharge, nozzle_transition)
     a_1, b_1 = resistance(math.pi / 4.0 * orifice_diameter**2, edge, oil)
     a_2, b_2 = resistance(math.pi / 4.0 * nozzle_diameter**2, nozzle, oil)
@@ -69,6 +74,15 @@ def relief(
             loss_factor=loss_factor,
             loss_exponent=loss_exponent,
             stops=Stops(pilot_travel, pilot_restitution, rest_speed),
+            long=LongSeat(
+                pilot_seat,
+                0.5 * seat_diameter,
+                seat_length,
+                oil.density * oil.viscosity,
+                math.sin(cone_angle),
+                math.cos(cone_angle),
+                film_floor,
+            ),
         ),
         main_stage(
             oil,
@@ -84,6 +98,7 @@ def relief(
             stops=Stops(spool_travel, spool_restitution, rest_speed),
         ),
         Orifices(a_1 + a_2, b_1 + b_2, a_1, b_1),
+        channel_volume / oil.bulk_modulus,
     )
 
 
@@ -96,11 +111,11 @@ def shut(s: ReliefState) -> bool:
 @inlined
 def go_on(m: Motion, c_before: float, c_after: float, z: float, valve: Relief, step: float) -> tuple[Motion, int]:
     """The valve a step [s] later, and the number of substeps; c goes straight from c_before to c_after."""
-    if shut(m.state):
+    if shut(m.state) and valve.capacity == 0.0:
         if max(c_before, c_after) <= cracking_pressure(valve.pilot):
-            return Motion(m.state, m.y, m.pilot_force, m.pilot_oil, 0.0), 0
+            return Motion(m.state, m.y, m.pilot_force, m.pilot_oil, 0.0, 0.0), 0
         m = begin(m.state, c_before - z * m.flow, m.flow, valve)
-    n = substeps(m, c_after - c_before, step, valve.pilot)
+    n = substeps(m, c_after - c_before, step, valve)
     h, slope = step, 0.0
     if n > 1:
         h, slope = step / n, (c_after - c_before) / n

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from twin.contact import Stops, held, travel
 from twin.kernel import inlined
-from twin.poppet import Poppet, gape, spring_force
+from twin.poppet import gape, poppet_drag, seep, spring_force
 from twin.relief_network import End, Poise, Push, Relief, meet, pilot_node
 
 FINEST = 6.25e-6  # [s], shortest substep
@@ -35,6 +35,7 @@ class Motion(NamedTuple):
     pilot_force: float  # [N], 0.0 while a stop takes it
     pilot_oil: float  # stiffness of p2 against the poppet's lift, spool and inlet fixed [N/m]
     flow: float  # Q [m^3/s]
+    filling: float  # into the oil before the pilot seat, C p2' [m^3/s]
 
 
 @inlined
@@ -45,15 +46,16 @@ def borne(force: float, lift: float, velocity: float, stops: Stops) -> float:
 
 @inlined
 def begin(s: ReliefState, p: float, flow: float, valve: Relief) -> Motion:
-    """Forces of a state at an inlet pressure, in closed form."""
+    """Forces of a state at an inlet pressure, in closed form, the pressure before the pilot seat at rest."""
     pilot, o = valve.pilot, valve.orifices
     conductance, area = gape(s.pilot_lift, pilot)
     pushed = valve.main.area * s.spool_velocity - pilot.area * s.pilot_velocity
-    y = pilot_node(p, pushed, conductance, o)
+    seeping = seep(s.pilot_lift, pilot)
+    y = pilot_node(p, pushed, conductance, o, seeping)
     p2 = y * abs(y) if conductance > 0.0 else y
-    force = area * p2 - spring_force(s.pilot_lift, pilot) - pilot.drag * s.pilot_velocity
+    force = area * p2 - spring_force(s.pilot_lift, pilot) - poppet_drag(s.pilot_lift, pilot) * s.pilot_velocity
     oil = oil_stiffness(y, s.pilot_lift, conductance, area, conductance * y - pushed, valve)
-    return Motion(s, y, borne(force, s.pilot_lift, s.pilot_velocity, pilot.stops), oil, flow)
+    return Motion(s, y, borne(force, s.pilot_lift, s.pilot_velocity, pilot.stops), oil, flow, 0.0)
 
 
 @inlined
@@ -118,17 +120,21 @@ def substep(m: Motion, c: float, z: float, h: float, valve: Relief) -> Motion:
     s, pilot = m.state, valve.pilot
     lift, half_way, left = fly(s.pilot_lift, s.pilot_velocity, m.pilot_force / pilot.mass, pilot.stops, h)
     conductance, area = gape(lift, pilot)
-    gain = 0.5 * left / (pilot.mass + 0.5 * left * pilot.drag)
-    coasting = half_way - gain * (spring_force(lift, pilot) + pilot.drag * half_way)
-    poise = Poise(lift, conductance, coasting, gain * area)
+    drag = poppet_drag(lift, pilot)
+    gain = 0.5 * left / (pilot.mass + 0.5 * left * drag)
+    coasting = half_way - gain * (spring_force(lift, pilot) + drag * half_way)
+    turbulent = pilot.long.fitted == 0.0
+    before = m.y * abs(m.y) if turbulent and s.pilot_lift > 0.0 else m.y
+    stiff = 2.0 * valve.capacity / h
+    poise = Poise(lift, conductance, coasting, gain * area, stiff + seep(lift, pilot), stiff * before + m.filling)
     y = m.y
-    if s.pilot_lift <= 0.0 and lift > 0.0:
+    if turbulent and s.pilot_lift <= 0.0 and lift > 0.0:
         y = math.copysign(math.sqrt(abs(y)), y)
-    elif s.pilot_lift > 0.0 and lift <= 0.0:
+    elif turbulent and s.pilot_lift > 0.0 and lift <= 0.0:
         y = y * abs(y)
     x, end = move_spool(y, m, poise, c, z, h, valve)
-    p2 = end.y * abs(end.y) if lift > 0.0 else end.y
-    force = area * p2 - spring_force(lift, pilot) - pilot.drag * end.pilot_velocity
+    p2 = end.y * abs(end.y) if turbulent and lift > 0.0 else end.y
+    force = area * p2 - spring_force(lift, pilot) - drag * end.pilot_velocity
     through = conductance * end.y + pilot.area * end.pilot_velocity - valve.main.area * end.spool_velocity
     return Motion(
         ReliefState(lift, end.pilot_velocity, x, end.spool_velocity),
@@ -136,12 +142,19 @@ def substep(m: Motion, c: float, z: float, h: float, valve: Relief) -> Motion:
         borne(force, lift, end.pilot_velocity, pilot.stops),
         oil_stiffness(end.y, lift, conductance, area, through, valve),
         end.flow,
+        stiff * (p2 - before) - m.filling,
     )
 
 
 @inlined
-def substeps(m: Motion, c_change: float, step: float, pilot: Poppet) -> int:
-    """How many substeps a step takes: from the poppet's reach in it, and from its frequency on its spring and oil."""
+def substeps(m: Motion, c_change: float, step: float, valve: Relief) -> int:
+    """How many substeps a step takes: from the poppet's reach in it, and from its frequency on its spring and oil.
+
+    The finest ones where oil or film of the pilot seat have a time of their own.
+    """
+    pilot = valve.pilot
+    if valve.capacity > 0.0 or pilot.long.fitted == 1.0:
+        return math.ceil(step / FINEST - 1e-9)
     push = (abs(m.pilot_force) + pilot.area * abs(c_change)) / pilot.mass
     reach = step * (abs(m.state.pilot_velocity) + 0.5 * step * push)
     allowed = SHARE * m.state.pilot_lift + LEAST

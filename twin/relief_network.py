@@ -1,4 +1,4 @@
-"""The oil inside the relief valve, incompressible, solved together with the speeds of its two bodies.
+"""The oil inside the relief valve, solved together with the speeds of its two bodies.
 
     inlet p --orifices 1, 2--> p2 --pilot seat--> tank        p3 --orifice 3--> p2
     inlet p --main seat------> tank                           the opening spool pushes A v from p3 through orifice 3
@@ -6,6 +6,9 @@
 Symbols and signs: `README.md`, after (2.15) to (2.19), corrected (2.28), (2.39). Flows in the direction of
 the arrows. Q1 = Q2, Q_pl + A_in u = Q2 + A v, p3 = p2 + dp3(A v). The spool draws A v from the inlet and the poppet
 hands A_in u to the tank, so what goes in comes out: Q = Q_main + Q1 + A v. The inlet is the end of lines, p = c - z Q.
+
+The oil before the pilot seat may be compressible: C p2' = Q2 + A v - Q_pl - A_in u, by the trapezoidal rule, which
+takes no energy from a swing. Without it (C = 0, the source) the pilot cannot chatter by its own oil.
 """
 
 import math
@@ -14,6 +17,7 @@ from typing import NamedTuple
 from twin.contact import held
 from twin.kernel import inlined
 from twin.main_stage import MainStage, mouth, spool_drag, spool_spring
+from twin.orifice import quadratic_flow
 from twin.poppet import Poppet
 
 ITERATIONS = 8
@@ -35,6 +39,7 @@ class Relief(NamedTuple):
     pilot: Poppet
     main: MainStage
     orifices: Orifices
+    capacity: float  # V/B of the oil before the pilot seat [m^3/Pa]; 0.0: incompressible
 
 
 @inlined
@@ -44,12 +49,15 @@ def drop(q: float, a: float, b: float) -> float:
 
 
 @inlined
-def pilot_node(p: float, pushed: float, conductance: float, orifices: Orifices) -> float:
+def pilot_node(p: float, pushed: float, conductance: float, orifices: Orifices, seeping: float = 0.0) -> float:
     """y [sqrt(Pa)] with p2 = y|y|, or, with the seat shut, p2 itself [Pa], at a given inlet pressure.
 
     y|y| + dp12(R y - pushed) = p rises with y and is a quadratic on each side of y = 0 and of R y = pushed [m^3/s],
-    which is what both bodies push into the node: closed form.
+    which is what both bodies push into the node: closed form. seeping: G of a long seat, y then p2 itself.
     """
+    if seeping > 0.0:
+        through = quadratic_flow(p - pushed / seeping, orifices.a_12, orifices.b_12 + 1.0 / seeping)
+        return (through + pushed) / seeping
     lifted = -drop(-pushed, orifices.a_12, orifices.b_12)
     if conductance <= 0.0:
         return p + lifted
@@ -70,6 +78,8 @@ class Poise(NamedTuple):
     conductance: float  # R [m^3/(s sqrt(Pa))]
     coasting: float  # speed without p2 [m/s]
     yielding: float  # speed gained per p2 [m/(s Pa)]
+    swallow: float  # what leaves the node per p2, through a long seat and into its oil [m^3/(s Pa)]
+    stored: float  # less this [m^3/s]
 
 
 class Push(NamedTuple):
@@ -119,6 +129,7 @@ def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve
     u = held(poise.lift, free, pilot.stops)
     u_y = poise.yielding * p2_y if u == free else 0.0
     q, q_y = poise.conductance * y + pilot.area * u, poise.conductance + pilot.area * u_y
+    q, q_y = q + (poise.swallow * p2 - poise.stored), q_y + poise.swallow * p2_y
     e, zk = c - z * q, z * seat.conductance
     root = math.sqrt(zk * zk + 4.0 * abs(e)) + 1e-30
     s, per_root = math.copysign(0.5 * (root - zk), e), 1.0 / root

@@ -10,7 +10,7 @@ import math
 from twin.kernel import kernel
 from twin.main_stage import MainStage, mouth, spool_spring
 from twin.orifice import quadratic_flow
-from twin.poppet import cracking_pressure, gape, spring_force
+from twin.poppet import cracking_pressure, gape, seep, spring_force
 from twin.relief import Relief, ReliefState
 
 HALVINGS = 120  # more than the digits of a float
@@ -19,6 +19,9 @@ HALVINGS = 120  # more than the digits of a float
 @kernel
 def pilot_pressure(pressure: float, lift: float, valve: Relief) -> float:
     """p2 [Pa] at a lift: a Q^2 + b Q + (Q/R)^2 = p through orifices 1, 2 and the seat."""
+    seeping = seep(lift, valve.pilot)
+    if seeping > 0.0:
+        return quadratic_flow(pressure, valve.orifices.a_12, valve.orifices.b_12 + 1.0 / seeping) / seeping
     conductance, _ = gape(lift, valve.pilot)
     if conductance == 0.0:
         return pressure
@@ -86,9 +89,17 @@ def steady_flow(pressure: float, valve: Relief) -> float:
     s = rest(pressure, valve)
     if s.pilot_lift == 0.0:
         return 0.0
-    conductance, _ = gape(s.pilot_lift, valve.pilot)
-    pilot = conductance * math.sqrt(pilot_pressure(pressure, s.pilot_lift, valve))
+    pilot = pilot_flow(pilot_pressure(pressure, s.pilot_lift, valve), s.pilot_lift, valve)
     return pilot + mouth(s.spool_lift, valve.main).conductance * math.sqrt(pressure)
+
+
+@kernel
+def pilot_flow(p2: float, lift: float, valve: Relief) -> float:
+    """Q [m^3/s] through the pilot seat, chamfered or long."""
+    seeping = seep(lift, valve.pilot)
+    if seeping > 0.0:
+        return seeping * p2
+    return gape(lift, valve.pilot)[0] * math.sqrt(p2)
 
 
 @kernel
@@ -124,7 +135,7 @@ def precompression_for(setting_pressure: float, setting_flow: float, valve: Reli
     The one that `valve` has plays no part. Raises ValueError where no spring force can.
     """
     pilot = valve.pilot
-    low, high = 0.0, setting_pressure * pilot.area / pilot.stiffness
+    low, high = 0.0, setting_pressure * pilot.shut_area / pilot.stiffness
     if steady_pressure(setting_flow, _preloaded(low, valve)) > setting_pressure:
         least = steady_pressure(setting_flow, _preloaded(low, valve))
         raise ValueError(

@@ -30,7 +30,7 @@ from twin.kernel import inlined
 from twin.load import Weight
 from twin.relief_motion import Motion, ReliefState
 
-CORE = 22
+CORE = 23
 ENDS_AT, LINES_AT, MEMORY_AT = CORE, CORE + 60, CORE + 66
 PLACES = {  # where each of the nine pressures is: its line end
     "pump": PUMP,
@@ -138,9 +138,9 @@ def load(a) -> Core:
         Spool(a[3], a[4]),
         Weight(a[5], a[6], a[7]),
         Chambers(a[8], a[9]),
-        Motion(ReliefState(a[10], a[11], a[12], a[13]), a[14], a[15], a[16], a[17]),
-        a[18],
-        Ledger(a[19], a[20], a[21]),
+        Motion(ReliefState(a[10], a[11], a[12], a[13]), a[14], a[15], a[16], a[17], a[18]),
+        a[19],
+        Ledger(a[20], a[21], a[22]),
     )
 
 
@@ -155,9 +155,9 @@ def store(s: Core, a) -> None:
     for i in range(4):
         a[10 + i] = s.relief.state[i]
     a[14], a[15], a[16], a[17] = s.relief.y, s.relief.pilot_force, s.relief.pilot_oil, s.relief.flow
-    a[18] = s.tee
+    a[18], a[19] = s.relief.filling, s.tee
     for i in range(3):
-        a[19 + i] = s.ledger[i]
+        a[20 + i] = s.ledger[i]
 
 
 @inlined

@@ -1,6 +1,6 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
-from bridge.cli import inspect, looking, processes, record, recordings, replay, running, stability
+from bridge.cli import inspect, looking, processes, record, recordings, replay, running, stability, valve
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {
@@ -38,3 +38,4 @@ NAMES = {"map_stability": "map"}  # where a verb is a word that Python has taken
 for _panel, _verbs in PANELS.items():
     for _verb in _verbs:
         app.command(NAMES.get(_verb.__name__), rich_help_panel=_panel)(_verb)
+app.add_typer(valve.app, name="valve", rich_help_panel=LOOK)

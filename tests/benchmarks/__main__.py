@@ -19,6 +19,7 @@ from tests.benchmarks import (
     start,
     sweeps,
     timing,
+    valves,
     view,
 )
 
@@ -26,6 +27,7 @@ SECTIONS = {
     "plant": plant.rows,
     "lines": lines.rows,
     "relief": relief.rows,
+    "valves": valves.rows,
     "loop": loop.rows,
     "timing": timing.rows,
     "recorder": recorder.rows,

@@ -1,0 +1,171 @@
+"""Verbs of a valve's designer: valve static, chatter, seat, chart."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from bridge.cli.app import AS_JSON, CHANGES, print_json
+
+app = typer.Typer(help="Static curves, seats and chatter of relief valves: docs/valves.md.", no_args_is_help=True)
+OUTPUT = Annotated[Path, typer.Option("--output", "-o", help="Folder for the picture and the table.")]
+SCENARIO = Annotated[str, typer.Option("--scenario", help="Whose rig.")]
+SEAT = Annotated[str, typer.Argument(help="chamfered or conical.")]
+FLOW = Annotated[str, typer.Option(help="Flow into the volume before the seat.")]
+PRECOMPRESSION = Annotated[str, typer.Option(help="Of the spring.")]
+
+
+@app.command()
+def static(scenario: SCENARIO = "step", changes: CHANGES = None, output: OUTPUT = Path(), as_json: AS_JSON = False):
+    """The static curve of the two-stage valve: setting, knee, openings, what shapes it, what it can tell."""
+    from bridge.cli.report import print_table
+    from bridge.valve.static import combinations, draw, plain, rows
+    from bridge.valve.static import static as found_of
+
+    found = _asked(lambda: found_of(_rig(scenario, changes)))
+    paths = _save("valve-static", draw(found), output)
+    if as_json:
+        print_json(plain(found) | {"files": paths})
+        return
+    knee = found.knee
+    print(f"pilot cracks at {knee.cracking / 1e5:.4f} bar, precompression {found.precompression * 1e3:.4f} mm")
+    print(f"main stage opens at {knee.pressure / 1e5:.4f} bar, {knee.flow * 6e4:.5f} l/min\n")
+    print("1 % of a parameter changes the set pressure (1 l/min) and the override (to 100 l/min) by [bar]:")
+    print_table(("parameter", "set", "override", "known to, alone"), rows(found))
+    print(f"\nthe curve tells {found.told.known} combinations to 10 % or better, read with half a step of the card:")
+    print_table(("known to", "of ln(parameter)"), combinations(found.told))
+    print("\n".join(paths))
+
+
+@app.command()
+def seat(
+    kind: SEAT = "conical",
+    lift: Annotated[str, typer.Option(help="Lift of the poppet.")] = "0.1 mm",
+    drop: Annotated[str, typer.Option(help="Pressure drop.")] = "10 bar",
+    scenario: SCENARIO = "step",
+    changes: CHANGES = None,
+    output: OUTPUT = Path(),
+    as_json: AS_JSON = False,
+) -> None:
+    """A seat at a lift and a pressure drop: flow, loss, forces, damping; a warning where its law does not hold."""
+    from bridge.valve.chatter import law_of
+    from bridge.valve.seat import draw, facts, rows
+
+    def answer() -> tuple[dict[str, Any], Any]:
+        law_of(kind)
+        rig, x, dp = _rig(scenario, changes), _si(lift, "m", "lift"), _si(drop, "Pa", "drop")
+        return facts(kind, x, dp, rig), draw(kind, x, dp, rig)
+
+    found, drawn = _asked(answer)
+    _tell(found, rows(found), _save(f"valve-seat-{kind}", drawn, output), as_json)
+
+
+@app.command()
+def chatter(
+    kind: SEAT = "chamfered",
+    flow: FLOW = "0.3 l/min",
+    precompression: PRECOMPRESSION = "0.23 mm",
+    scenario: SCENARIO = "step",
+    changes: CHANGES = None,
+    output: OUTPUT = Path(),
+    as_json: AS_JSON = False,
+) -> None:
+    """Will it sing? Seat, spring and volume (rig.chatter) at a flow: damping needed and had, frequency, impacts."""
+    from bridge.valve.chatter import draw, facts, rows
+
+    def answer() -> tuple[dict[str, Any], Any]:
+        rig, q, x0 = _rig(scenario, changes), _si(flow, "m^3/s", "flow"), _si(precompression, "m", "precompression")
+        return facts(kind, q, x0, rig), draw(kind, q, x0, rig)
+
+    found, drawn = _asked(answer)
+    _tell(found, rows(found), _save(f"valve-chatter-{kind}", drawn, output), as_json)
+
+
+@app.command()
+def chart(
+    kind: SEAT = "chamfered",
+    precompression: PRECOMPRESSION = "0.23 mm",
+    flows: Annotated[str, typer.Option(help="Range of q.", metavar="LOW:HIGH")] = "0.01:0.5",
+    dampings: Annotated[str, typer.Option(help="Range of k.", metavar="LOW:HIGH")] = "0.0001:0.02",
+    cells: Annotated[int, typer.Option(min=2, max=2000, help="Runs a side.")] = 100,
+    workers: Annotated[int, typer.Option(min=0, help="Processes. [default: one a core]", show_default=False)] = 0,
+    scenario: SCENARIO = "step",
+    changes: CHANGES = None,
+    output: OUTPUT = Path(),
+    as_json: AS_JSON = False,
+) -> None:
+    """A chart of flow and damping by runs with impacts: calm, swinging freely, hitting the seat."""
+    import numpy as np
+
+    from bridge.valve.chart import draw
+    from bridge.valve.chatter import law_of
+    from twin.chatter.build import pilot_of
+    from twin.chatter.physical import reference, system
+
+    def answer() -> Any:
+        law, pilot = law_of(kind), pilot_of(_rig(scenario, changes))
+        x0 = _si(precompression, "m", "precompression")
+        s = system(law, reference(law, pilot).flow, x0, pilot)
+        q, k = (np.linspace(*_range(text, name), cells) for text, name in ((flows, "flows"), (dampings, "dampings")))
+        return draw(kind, s, q, k, workers)
+
+    paths = _save(f"valve-chart-{kind}", _asked(answer), output)
+    if as_json:
+        print_json(paths)
+    else:
+        print("\n".join(paths))
+
+
+def _rig(scenario: str, changes: list[str] | None) -> Any:
+    from bridge.scenario import load
+
+    return load(scenario, changes).rig_values()
+
+
+def _si(text: str, unit: str, name: str) -> float:
+    from bridge.units import quantity
+
+    try:
+        return quantity(text, unit)
+    except ValueError as error:
+        raise ValueError(f"--{name} {text!r}: {error}") from None
+
+
+def _range(text: str, name: str) -> tuple[float, float]:
+    low, _, high = text.partition(":")
+    try:
+        ends = float(low), float(high)
+    except ValueError:
+        raise ValueError(f"--{name} {text!r}: write LOW:HIGH, two numbers") from None
+    if not 0.0 < ends[0] < ends[1]:
+        raise ValueError(f"--{name} {text!r}: it must rise, and start above 0")
+    return ends
+
+
+def _asked(answer: Any) -> Any:
+    """The answer; a user's mistake as one line."""
+    from bridge.failure import ScenarioError
+
+    try:
+        return answer()
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
+
+
+def _save(name: str, drawn: Any, output: Path) -> list[str]:
+    from bridge.valve.files import save
+
+    columns, page = drawn
+    return [str(path) for path in save(name, columns, page, output)]
+
+
+def _tell(found: dict[str, Any], rows: list[tuple[str, str]], paths: list[str], as_json: bool) -> None:
+    from bridge.cli.report import print_table
+
+    if as_json:
+        print_json(found | {"files": paths})
+        return
+    print_table(("", ""), rows)
+    for line in found["warnings"]:
+        print(f"warning: {line}")
+    print("\n".join(paths))
