@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 from twin.kernel import kernel
 from twin.lines.friction import turbulence
 from twin.lines.lab.friction import Friction, convolution_weights, recursion
-from twin.lines.lab.pipe import PRESSURE, Case, History, Pipe, steady_pressure
+from twin.lines.lab.pipe import PRESSURE, Array, Case, History, Pipe, steady_pressure
 
-Array = NDArray[np.float64]
 # numbers of a line
 COURANT, BETA, MEMORY, SHEAR, PER_U, PER_CELL, NEWEST, PER_FLOW = range(8)
 P, U, F = range(3)  # rows of a field: pressure, rho a v, friction
@@ -91,18 +90,21 @@ def _present(m, line: int, u: float) -> float:
 
 @kernel
 def run(m, junction_of, held, values, now, new, memory, changes, out) -> None:
-    """All steps. junction_of (lines, 2): junction at each end; held (junctions,): 1 pressure, 0 inflow; values (steps,
-    junctions) [Pa] or [m^3/s] at each step's end; now, new (3, nodes); memory (K, nodes); changes (steps, nodes) for the
-    convolution; out (steps + 1, lines, 4): p_1, p_2, u_1, u_2."""
+    """All steps.
+
+    junction_of (lines, 2): junction at each end; held (junctions,): 1 pressure, 0 inflow; values (steps, junctions)
+    [Pa] or [m^3/s] at each step's end; now, new (3, nodes); memory (K, nodes); changes (steps, nodes) for the convolution;
+    out (steps + 1, lines, 4): p_1, p_2, u_1, u_2.
+    """
     lines, half = len(m.numbers), 0.5 * m.step
     for step in range(len(values)):
         for line in range(lines):
             low, high, c = m.first[line], m.first[line + 1] - 1, m.numbers[line, COURANT]
             for i in range(low, high + 1):
                 present, known = _present(m, line, now[U, i]), _past(m, line, i, step, now, memory, changes)
-                l, r = max(i - 1, low), min(i + 1, high)
-                right = _foot(now, i, l, c, 1.0, half) - half * known
-                left = _foot(now, i, r, c, -1.0, half) + half * known
+                back, ahead = max(i - 1, low), min(i + 1, high)
+                right = _foot(now, i, back, c, 1.0, half) - half * known
+                left = _foot(now, i, ahead, c, -1.0, half) + half * known
                 weight = 1.0 + half * present
                 new[P, i], new[U, i] = 0.5 * (right + left), 0.5 * (right - left) / weight
                 if i == low:
@@ -165,7 +167,12 @@ class Net(NamedTuple):
 
 
 def march_net(
-    net: Net, models: Sequence[Friction], step: float, cells: Sequence[int], values: Array, pressure: Sequence[Array],
+    net: Net,
+    models: Sequence[Friction],
+    step: float,
+    cells: Sequence[int],
+    values: Array,
+    pressure: Sequence[Array],
     velocity: Sequence[float],
 ) -> Array:
     """Run lines that meet. values (steps + 1, junctions): pressure [Pa] or inflow [m^3/s] from t = 0 on; pressure: at

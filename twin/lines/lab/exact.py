@@ -10,27 +10,31 @@ A and B from what the two ends hold. Bromwich's integral as one FFT brings it ba
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from twin.lines.lab.friction import Friction
-from twin.lines.lab.pipe import PRESSURE, Case, Course, End, History, Pipe, steady_pressure
+from twin.lines.lab.pipe import PRESSURE, Array, Case, Course, End, History, Pipe, steady_pressure
 from twin.lines.theory import losses
 
-Array = NDArray[np.float64]
 Complex = Any  # NDArray[complex128], which numpy's own annotations lose on the way
 POINTS = 2**17
 
 
 def invert(transform: Any, span: float, count: int) -> Array:
-    """f at t = 0, span/count, .., by the trapezoidal rule on twice the span [s]; transform: of an array of s.
+    """f at t = 0, span/count, .., of a transform, a function of an array of s."""
+    return to_time(transform(contour(span, count)), span)
 
-    The contour at c damps what wraps round by exp(-2 c span) = 1e-10.
-    """
-    c = 5.0 * np.log(10.0) / span
-    s = c + 1j * np.pi / span * np.arange(count + 1)
-    values = transform(s)
-    values[-1] = values[-1].real
-    return np.fft.irfft(values, 2 * count)[:count] * np.exp(c * span / count * np.arange(count)) * count / span
+
+def contour(span: float, count: int) -> Complex:
+    """count + 1 points s on Bromwich's line; its place damps what wraps round twice the span [s] to 1e-10."""
+    return 5.0 * np.log(10.0) / span + 1j * np.pi / span * np.arange(count + 1)
+
+
+def to_time(values: Complex, span: float) -> Array:
+    """f at t = 0, span/count, .., of its transform on the contour, by the trapezoidal rule."""
+    count = len(values) - 1
+    rate = 5.0 * np.log(10.0) / count
+    even = np.append(values[:-1], values[-1].real)
+    return np.fft.irfft(even, 2 * count)[:count] * np.exp(rate * np.arange(count)) * count / span
 
 
 def kind_of(model: Friction) -> str:
@@ -69,30 +73,32 @@ def transformed(end: End, hammer: float, before: float, s: Complex) -> Complex:
 def exact_history(case: Case, friction: str, span: float, count: int, points: int = POINTS) -> History:
     """Both ends at t = 0, span/count, .., span. friction: none, steady or unsteady (laminar with memory)."""
     time = np.linspace(0.0, span, count + 1)
-    first, last = (exact_field(case, friction, span, xi, points) for xi in (0.0, 1.0))
-    fine = span / points * 1.05 * np.arange(points)
-    p_1, p_2 = (np.interp(time, fine, field[0]) for field in (first, last))
-    v_1, v_2 = (np.interp(time, fine, field[1]) / case.pipe.hammer for field in (first, last))
-    return History(time, p_1, p_2, v_1, v_2)
+    fine, p, u = exact_field(case, friction, span, np.array([0.0, 1.0]), points)
+    ends = [np.interp(time, fine, row) for row in (p[0], p[1], u[0] / case.pipe.hammer, u[1] / case.pipe.hammer)]
+    return History(time, *ends)
 
 
-def exact_field(case: Case, friction: str, span: float, xi: float, points: int = POINTS) -> tuple[Array, Array]:
-    """p and u [Pa] at a place x = xi L, at 0, h, .., h = 1.05 span/points: a little more than the span [s]."""
-    pipe, hammer = case.pipe, case.pipe.hammer
-    rate = 0.0 if friction == "none" else pipe.steady_rate
-    ends = steady_pressure(case, np.array([0.0, pipe.length]), rate)
-    before = [p if end.holds == PRESSURE else case.velocity for end, p in zip((case.left, case.right), ends, strict=True)]
+def exact_field(
+    case: Case, friction: str, span: float, xi: Array, points: int = POINTS
+) -> tuple[Array, Array, Array]:
+    """Times [s], p and u [Pa] at places x = xi L, (len(xi), points): times go a little beyond the span [s].
 
-    def solution(s: Complex, row: int) -> Complex:
-        n = np.sqrt(losses(s, pipe.viscous_time, friction))
-        held = [transformed(e, hammer, b, s) for e, b in zip((case.left, case.right), before, strict=True)]
-        a, b = amplitudes(s, case, n, *held)
-        g = s * pipe.travel_time * n
-        right, left = a * np.exp(-g * xi), b * np.exp(-g * (1.0 - xi))
-        return right + left if row == 0 else (right - left) / n
-
-    p, u = (invert(lambda s, row=row: solution(s, row), 1.05 * span, points) for row in (0, 1))
-    return p + ends[0] + xi * (ends[1] - ends[0]), u + hammer * case.velocity
+    ValueError: a course that is not a `Course`, or starts before t = 0.
+    """
+    pipe, hammer, beyond = case.pipe, case.pipe.hammer, 1.05 * span
+    ends = steady_pressure(case, np.array([0.0, pipe.length]), 0.0 if friction == "none" else pipe.steady_rate)
+    both = zip((case.left, case.right), ends, strict=True)
+    before = [float(p) if end.holds == PRESSURE else case.velocity for end, p in both]
+    s = contour(beyond, points)
+    n = np.sqrt(losses(s, pipe.viscous_time, friction))
+    held = [transformed(e, hammer, b, s) for e, b in zip((case.left, case.right), before, strict=True)]
+    a, b = amplitudes(s, case, n, held[0], held[1])
+    g, p, u = s * pipe.travel_time * n, [], []
+    for place in xi:
+        right, left = a * np.exp(-g * place), b * np.exp(-g * (1.0 - place))
+        p.append(to_time(right + left, beyond) + ends[0] + place * (ends[1] - ends[0]))
+        u.append(to_time((right - left) / n, beyond) + hammer * case.velocity)
+    return beyond / points * np.arange(points), np.array(p), np.array(u)
 
 
 def transfer_matrix(s: Complex, pipe: Pipe, friction: str) -> Complex:

@@ -12,13 +12,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import jn_zeros
 
 from twin.lines.friction import TURBULENT_LIMIT
+from twin.lines.lab.pipe import Array
 from twin.lines.mesh import friction_poles
 
-Array = NDArray[np.float64]
 LAMINAR_DECAY = 0.00476  # C*, Vardy's shear decay coefficient
 SHORT_TIME = 0.02  # T below which the short-time series of W is used
 SHORT_SERIES = (0.282095, -1.25, 1.057855, 0.9375, 0.396696, -0.351563)  # of T^-1/2, 1, T^1/2, ..; Zielke 1968

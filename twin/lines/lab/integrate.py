@@ -10,12 +10,11 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from twin.lines.lab.pipe import Array
 from twin.lines.lab.system import Frozen, LineSystem, State
 from twin.lines.lab.tableau import PAIRS, Tableau
 
-Array = NDArray[np.float64]
 TIMES = ("backward-euler", "bdf2", *PAIRS)
 SAFETY = 0.9
 LADDER = 2.0**0.25  # steps are powers of it: few factorisations
@@ -59,8 +58,7 @@ def _held(system: LineSystem, state: State, t: float) -> State:
     """The state with the ends at their values."""
     y = state.y.copy()
     y[system.rows] = system.source(t)[system.rows]
-    w = state.w - system.model.weights[:, None] * (y - state.y)[system.nodes :]  # I goes on without a jump of u
-    return State(y, w + system.model.weights[:, None] * (y - state.y)[system.nodes :])
+    return State(y, state.w)  # I_j and m_j u jump alike
 
 
 def runge_kutta(
@@ -74,24 +72,22 @@ def runge_kutta(
     held: bool = False,
 ) -> tuple[State, State, Array]:
     """One step: the state after it, its rates (the next step's first stage) and the error of y [Pa], filtered."""
-    theta = step * pair.gamma
-    rates = [first if first is not None and system.model.linear else system.rates(t, state, frozen)]
-    start = system.mass @ state.y
-    stage = state
-    for i in range(1, len(pair.c)):
-        z = State(_sum(start, step, pair.a[i], [r.y for r in rates]), _sum(state.w, step, pair.a[i], [r.w for r in rates]))
+    theta, stages, count = step * pair.gamma, len(pair.c), len(system.alpha) * system.nodes
+    rates, memories = np.zeros((stages, 2 * system.nodes)), np.zeros((stages, count))
+    known = first if first is not None and system.model.linear else system.rates(t, state, frozen)
+    rates[0], memories[0] = known.y, known.w.ravel()
+    start, stage = system.mass @ state.y, state
+    for i in range(1, stages):
+        row = step * pair.a[i, :i]
+        w = state.w + (row @ memories[:i]).reshape(state.w.shape) if count else state.w
+        z = State(start + row @ rates[:i], w)
         stage = system.solve(theta, z, t if held else t + pair.c[i] * step, frozen)
-        rates.append(State((system.mass @ stage.y - z.y) / theta, (stage.w - z.w) / theta))
-    off = _sum(np.zeros_like(start), step, pair.b - pair.embedded, [r.y for r in rates])
-    return stage, rates[-1], system.solver(theta, frozen).solve(off)
-
-
-def _sum(start: Array, step: float, row: Array, terms: list[Array]) -> Array:
-    out = start
-    for factor, term in zip(row, terms, strict=False):
-        if factor:
-            out = out + (step * factor) * term
-    return out
+        rates[i] = (system.mass @ stage.y - z.y) / theta
+        if count:
+            memories[i] = ((stage.w - z.w) / theta).ravel()
+    last = State(rates[-1].copy(), memories[-1].reshape(state.w.shape))
+    off = step * (pair.b - pair.embedded) @ rates
+    return stage, last, system.solver(theta, frozen).solve(off)
 
 
 def march_adaptive(

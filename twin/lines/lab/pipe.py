@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from twin.oil import effective_modulus
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 PRESSURE, VELOCITY = "pressure", "velocity"
 
 
@@ -91,7 +91,7 @@ def reservoir(pressure: float) -> End:
 
 
 class Case(NamedTuple):
-    """A pipe between two ends, in steady flow up to t = 0. An end whose course starts elsewhere jumps there at t = 0."""
+    """A pipe between two ends, steady up to t = 0. An end whose course starts elsewhere jumps there at t = 0."""
 
     pipe: Pipe
     left: End  # end 1, x = 0

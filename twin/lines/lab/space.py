@@ -13,10 +13,10 @@ out there is multiplied by the value held. Chebyshev lacks it.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-Array = NDArray[np.float64]
+from twin.lines.lab.pipe import Array
+
 Sparse = Any  # scipy.sparse.csr_array, whose annotations are not there
 SPACES = ("cds3", "cds5", "fem", "chebyshev")
 CLOSURES = ("sbp", "one-sided 5", "one-sided 4")
@@ -31,6 +31,9 @@ ONE_SIDED_5 = ((-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25), (-0.25, -5.0 / 6.0, 
 ONE_SIDED_4 = ((-11.0 / 6.0, 3.0, -1.5, 1.0 / 3.0), (-1.0 / 3.0, -0.5, 1.0, -1.0 / 6.0))
 CENTRAL_5 = (1.0 / 12.0, -2.0 / 3.0, 0.0, 2.0 / 3.0, -1.0 / 12.0)
 FEWEST = {"cds3": 2, "cds5": 8, "fem": 2, "chebyshev": 3}
+
+
+_diagonals: Any = sparse.diags_array  # whose annotations take one offset only
 
 
 class Grid(NamedTuple):
@@ -53,28 +56,28 @@ def grid(space: str, cells: int, length: float, closure: str = "sbp") -> Grid:
     h = length / cells
     x = h * np.arange(cells + 1)
     if space == "fem":
-        mass = sparse.diags_array([1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], offsets=[-1, 0, 1], shape=(cells + 1,) * 2).tolil()
+        mass = _diagonals([1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], offsets=[-1, 0, 1], shape=(cells + 1,) * 2).tolil()
         mass[0, 0] = mass[cells, cells] = 1.0 / 3.0
         return Grid(x, mass.tocsr(), _central_3(cells, 0.5) / h, mass.tocsr() * h)
     if space == "cds3":
         diagonal = np.ones(cells + 1)
         diagonal[[0, -1]] = 0.5
-        norm = sparse.diags_array(diagonal)
-        rows = sparse.diags_array(1.0 / diagonal) @ _central_3(cells, 0.5) / h
+        norm = _diagonals(diagonal)
+        rows = _diagonals(1.0 / diagonal) @ _central_3(cells, 0.5) / h
         return Grid(x, sparse.eye_array(cells + 1).tocsr(), rows.tocsr(), norm.tocsr() * h)
     return _central_5(x, closure)
 
 
 def _central_3(cells: int, edge: float) -> Sparse:
     """int phi_i phi_j' of hats; between the ends h f_x by three points."""
-    rows = sparse.diags_array([-0.5, 0.5], offsets=[-1, 1], shape=(cells + 1,) * 2).tolil()
+    rows = _diagonals([-0.5, 0.5], offsets=[-1, 1], shape=(cells + 1,) * 2).tolil()
     rows[0, 0], rows[cells, cells] = -edge, edge
     return rows.tocsr()
 
 
 def _central_5(x: Array, closure: str) -> Grid:
     n, h = len(x), x[1] - x[0]
-    rows = sparse.diags_array(CENTRAL_5, offsets=[-2, -1, 0, 1, 2], shape=(n, n)).tolil()
+    rows = _diagonals(CENTRAL_5, offsets=[-2, -1, 0, 1, 2], shape=(n, n)).tolil()
     special = {"sbp": SBP_ROWS, "one-sided 5": ONE_SIDED_5, "one-sided 4": ONE_SIDED_4}[closure]
     for i, row in enumerate(special):
         rows[i, :], rows[n - 1 - i, :] = 0.0, 0.0
@@ -82,7 +85,7 @@ def _central_5(x: Array, closure: str) -> Grid:
             rows[i, j], rows[n - 1 - i, n - 1 - j] = value, -value
     diagonal = np.ones(n)
     diagonal[:4], diagonal[-4:] = SBP_NORM, SBP_NORM[::-1]
-    return Grid(x, sparse.eye_array(n).tocsr(), rows.tocsr() / h, sparse.diags_array(diagonal * h).tocsr())
+    return Grid(x, sparse.eye_array(n).tocsr(), rows.tocsr() / h, _diagonals(diagonal * h).tocsr())
 
 
 def _chebyshev(cells: int, length: float) -> Grid:
@@ -102,7 +105,7 @@ def _chebyshev(cells: int, length: float) -> Grid:
     x = length / 2.0 * (1.0 + y)
     return Grid(
         x, sparse.eye_array(cells + 1).tocsr(), sparse.csr_array(d * 2.0 / length),
-        sparse.diags_array(norm * length / 2.0).tocsr(),
+        _diagonals(norm * length / 2.0).tocsr(),
     )  # fmt: skip
 
 

@@ -13,16 +13,15 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import sparse
+from scipy import sparse as scipy_sparse
 from scipy.sparse.linalg import splu
 
 from twin.lines.friction import turbulence
 from twin.lines.lab.friction import Friction
-from twin.lines.lab.pipe import PRESSURE, Case, Pipe, steady_pressure
+from twin.lines.lab.pipe import PRESSURE, Array, Case, Pipe, steady_pressure
 from twin.lines.lab.space import Grid
 
-Array = NDArray[np.float64]
+sparse: Any = scipy_sparse  # whose annotations lose its types
 KEPT = 40  # factorisations
 
 
@@ -99,9 +98,7 @@ class LineSystem:
         late = z.w / damping[:, None]
         right = z.y + theta * self.source(t)
         if len(late):
-            right[self.nodes :] -= self.free[self.nodes :] * (
-                theta * self.memory * (self.grid.mass @ late.sum(axis=0))
-            )
+            right[self.nodes :] -= self.free[self.nodes :] * (theta * self.memory * (self.grid.mass @ late.sum(axis=0)))
         y = self.solver(theta, frozen).solve(right)
         gain = theta * self.alpha * self.model.weights / damping
         return State(y, late - gain[:, None] * y[self.nodes :])
@@ -125,10 +122,17 @@ class LineSystem:
         blocks = sparse.block_diag([sparse.csr_array((self.nodes, self.nodes)), damped])
         return self.rate - sparse.diags_array(self.free) @ blocks
 
-    def energy(self, y: Array) -> float:
-        """(p^T H p + u^T H u)/2 [Pa^2 m]: rho a^2/A times the energy in the oil."""
-        p, u = y[: self.nodes], y[self.nodes :]
-        return 0.5 * float(p @ (self.grid.norm @ p) + u @ (self.grid.norm @ u))
+    def energy(self, state: State) -> float:
+        """rho a^2/A times the energy in the oil, and in the motion across the pipe that the memories stand for [Pa^2 m].
+
+        (p H p + u H u)/2 + sum_j c/(2 m_j alpha_j) w_j H w_j: each memory is a mass c m_j/alpha_j at -w_j/m_j, dragged
+        along by c m_j, so it takes energy and never gives any.
+        """
+        p, u = state.y[: self.nodes], state.y[self.nodes :]
+        stored = 0.5 * float(p @ (self.grid.norm @ p) + u @ (self.grid.norm @ u))
+        for w, m, alpha in zip(state.w, self.model.weights, self.alpha, strict=True):
+            stored += 0.5 * self.memory / (m * alpha) * float(w @ (self.grid.norm @ w))
+        return stored
 
 
 def line_system(case: Case, grid: Grid, model: Friction) -> tuple[LineSystem, State]:

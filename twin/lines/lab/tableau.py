@@ -4,13 +4,14 @@ The implicit parts of ARK3(2)4L[2]SA, ARK4(3)6L[2]SA and ARK5(4)8L[2]SA, Kennedy
 accurate, stage order 2. The tests hold all order conditions of both members.
 """
 
-from fractions import Fraction as F
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from twin.lines.lab.pipe import Array
+
+F = Fraction
 
 
 class Tableau(NamedTuple):
