@@ -1,4 +1,4 @@
-"""The laboratory of lines, friction: weights, recursions, and the water hammer of figure 2.27 against the exact line."""
+"""The laboratory of lines, friction: weights, recursions, the water hammer of figure 2.27 beside the exact line."""
 
 import math
 from functools import cache
@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import jn_zeros
 
-from tests.exact_line import echoes
 from tests.exact_line import Pipe as OtherPipe
+from tests.exact_line import echoes
 from twin.lines.lab.characteristics import characteristics
 from twin.lines.lab.exact import exact_history
 from twin.lines.lab.friction import (
@@ -250,7 +250,7 @@ def test_steady_flow_holds(name: str):
 
 
 def test_the_method_of_lines_has_no_whole_convolution():
-    with pytest.raises(ValueError, match="convolution.*moc"):
+    with pytest.raises(ValueError, match=r"convolution.*moc"):
         method_of_lines(HAMMER, friction("convolution"), "fem", "esdirk3", Resolution(step=STEP), 0.1)
 
 
@@ -258,5 +258,3 @@ def test_the_method_of_lines_has_no_whole_convolution():
 def test_refusals(name: str, message: str):
     with pytest.raises(ValueError, match=message):
         friction(name)
-
-

@@ -9,7 +9,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from bridge.figures import friction, oil, rig, transients
+from bridge.figures import (
+    friction,
+    lines_characteristics,
+    lines_friction,
+    lines_orders,
+    lines_response,
+    oil,
+    rig,
+    transients,
+)
 from bridge.figures.canvas import Columns, Sheet
 
 
@@ -26,9 +35,14 @@ _ALL = (
     Figure("2.4", "Seal friction over the speed of the piston", friction.draw_over_speed),
     Figure("2.5", "Seal friction over the pressure difference", friction.draw_over_pressure),
     Figure("2.6", "Friction factor over the dimensionless speed", friction.draw_factor),
+    Figure("2.23", "Characteristics: whole steps and interpolated half steps", lines_characteristics.draw),
+    Figure("2.25", "Schemes for waves, a smooth wave: error and work", lines_orders.draw_smooth),
+    Figure("2.26", "Schemes for waves, steep fronts: error and work", lines_orders.draw_steep),
+    Figure("2.27", "Friction models on a water hammer, beside the exact line", lines_friction.draw),
     Figure("2.28", "Load change and impingement at four pump speeds", transients.draw_experiment),
     Figure("2.29", "Load change: pressures, position, relief valve", transients.draw_load_change),
     Figure("2.30", "Impingement: pressures, position, relief valve", transients.draw_impingement),
+    Figure("line-response", "Impedance of a line: exact, and of each scheme", lines_response.draw),
     Figure("circuit", "The circuit, from the rig's own numbers", rig.draw_circuit),
 )
 FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}

@@ -93,8 +93,8 @@ def run(m, junction_of, held, values, now, new, memory, changes, out) -> None:
     """All steps.
 
     junction_of (lines, 2): junction at each end; held (junctions,): 1 pressure, 0 inflow; values (steps, junctions)
-    [Pa] or [m^3/s] at each step's end; now, new (3, nodes); memory (K, nodes); changes (steps, nodes) for the convolution;
-    out (steps + 1, lines, 4): p_1, p_2, u_1, u_2.
+    [Pa] or [m^3/s] at each step's end; now, new (3, nodes); memory (K, nodes); changes (steps, nodes) for the
+    convolution; out (steps + 1, lines, 4): p_1, p_2, u_1, u_2.
     """
     lines, half = len(m.numbers), 0.5 * m.step
     for step in range(len(values)):

@@ -16,7 +16,7 @@ from twin.lines.lab.pipe import PRESSURE, Array, Case, Course, End, History, Pip
 from twin.lines.theory import losses
 
 Complex = Any  # NDArray[complex128], which numpy's own annotations lose on the way
-POINTS = 2**17
+POINTS = 2**16
 
 
 def invert(transform: Any, span: float, count: int) -> Array:
@@ -78,9 +78,7 @@ def exact_history(case: Case, friction: str, span: float, count: int, points: in
     return History(time, *ends)
 
 
-def exact_field(
-    case: Case, friction: str, span: float, xi: Array, points: int = POINTS
-) -> tuple[Array, Array, Array]:
+def exact_field(case: Case, friction: str, span: float, xi: Array, points: int = POINTS) -> tuple[Array, Array, Array]:
     """Times [s], p and u [Pa] at places x = xi L, (len(xi), points): times go a little beyond the span [s].
 
     ValueError: a course that is not a `Course`, or starts before t = 0.

@@ -123,7 +123,7 @@ class LineSystem:
         return self.rate - sparse.diags_array(self.free) @ blocks
 
     def energy(self, state: State) -> float:
-        """rho a^2/A times the energy in the oil, and in the motion across the pipe that the memories stand for [Pa^2 m].
+        """rho a^2/A times the energy in the oil and in the memories [Pa^2 m].
 
         (p H p + u H u)/2 + sum_j c/(2 m_j alpha_j) w_j H w_j: each memory is a mass c m_j/alpha_j at -w_j/m_j, dragged
         along by c m_j, so it takes energy and never gives any.
