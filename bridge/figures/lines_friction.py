@@ -21,7 +21,7 @@ CELLS, PEAKS = 50, 10
 STEP = PIPE.travel_time / CELLS
 SPAN = (4 * PEAKS + 2) * PIPE.travel_time
 EXACT_POINTS = 20000
-DRAWN = {"none": "black", "quasi-steady": "tab:red", "zielke": "tab:blue"}  # by FEM and ESDIRK4, as in the source
+DRAWN = {"none": "black", "steady": "tab:red", "zielke": "tab:blue"}  # by FEM and ESDIRK4, as in the source; Re 1370
 
 
 def models() -> dict[str, Friction]:
@@ -56,7 +56,7 @@ def draw() -> tuple[Columns, Sheet]:
     right = peaks_of(CASE, exactly, PEAKS)
     page, (course, decay) = sheet("2.27  Friction on a water hammer", panels=2)
     for name, history in by_lines.items():
-        text = {"none": "frictionless", "zielke": "Zielke, 100 poles"}.get(name, name)
+        text = {"none": "frictionless", "steady": "quasi-steady", "zielke": "Zielke, 100 poles"}[name]
         course.plot(history.time, 1e-5 * history.p_1, color=DRAWN[name], linewidth=0.8, label=f"{text}, FEM/ESDIRK4")
     course.plot(exactly.time, 1e-5 * exactly.p_1, "--", color="tab:orange", linewidth=0.9, label="exact, with memory")
     course.set_ylim(8.4, 12.2)

@@ -20,7 +20,7 @@ from twin.lines.lab.space import grid
 PIPE = Pipe(2.5, 0.011, 1137.0, 878.0, 40e-6)  # the rig's line 2
 CELLS, RIG_STEP = 20, 50e-6
 STEP = PIPE.travel_time / CELLS
-FREQUENCIES = np.concatenate([np.linspace(2.0, 50.0, 25)[:-1], np.linspace(50.0, 1400.0, 300)])  # [Hz]
+FREQUENCIES = np.concatenate([np.arange(2.0, 10.0, 2.0), np.arange(10.0, 1401.0, 10.0)])  # [Hz]
 LINES = (("cds3", "bdf2"), ("cds5", "esdirk4"), ("fem", "backward-euler"), ("fem", "esdirk4"))
 BAR_PER_LITRE = 1e-5 * 1e-3 / 60.0  # [bar/(l/min)] of Pa s/m^3
 

@@ -7,7 +7,6 @@ as the source did: every scheme is then of first order, which is all that it is 
 import math
 from collections.abc import Iterator
 from itertools import islice
-from typing import Any
 
 import numpy as np
 
@@ -71,7 +70,7 @@ def runge_kutta(
     first: State | None = None,
     held: bool = False,
 ) -> tuple[State, State, Array]:
-    """One step: the state after it, its rates (the next step's first stage) and the error of y [Pa], filtered."""
+    """One step: the state after it, its rates (the next step's first stage), and the error of M y [Pa]."""
     theta, stages, count = step * pair.gamma, len(pair.c), len(system.alpha) * system.nodes
     rates, memories = np.zeros((stages, 2 * system.nodes)), np.zeros((stages, count))
     known = first if first is not None and system.model.linear else system.rates(t, state, frozen)
@@ -87,7 +86,7 @@ def runge_kutta(
             memories[i] = ((stage.w - z.w) / theta).ravel()
     last = State(rates[-1].copy(), memories[-1].reshape(state.w.shape))
     off = step * (pair.b - pair.embedded) @ rates
-    return stage, last, system.solver(theta, frozen).solve(off)
+    return stage, last, off
 
 
 def march_adaptive(
@@ -104,7 +103,8 @@ def march_adaptive(
         step = min(LADDER**rung, span - t)
         frozen = system.freeze(state.y)
         new, after, error = runge_kutta(system, pair, state, t, step, frozen, rates)
-        size = float(np.sqrt(np.mean(error**2))) / tolerance
+        filtered = system.solver(step * pair.gamma, frozen)(error)  # stiff parts would ask for needless steps
+        size = float(np.sqrt(np.mean(filtered**2))) / tolerance
         if size <= 1.0:
             t, state, rates = t + step, new, after
             yield t, state
@@ -116,22 +116,3 @@ def march_adaptive(
 
 def _rung(step: float) -> int:
     return math.floor(math.log(step, LADDER))
-
-
-def transition(system: LineSystem, time: str, step: float) -> Array:
-    """The matrix of one step of a linear system with ends at zero, over all of (y, w); y-columns of held rows are 0."""
-    rest: Any = np.zeros(2 * system.nodes)
-    frozen = system.freeze(rest)
-    count, memories = 2 * system.nodes, len(system.alpha)
-    out = np.zeros((count + memories * system.nodes,) * 2)
-    for column in range(len(out)):
-        unit = np.zeros(len(out))
-        unit[column] = 1.0
-        unit[system.rows] = 0.0
-        state = State(unit[:count], unit[count:].reshape(memories, system.nodes))
-        if time in PAIRS:
-            new = runge_kutta(system, PAIRS[time], state, 0.0, step, frozen)[0]
-        else:
-            new = system.solve(step, State(system.mass @ state.y, state.w), 0.0, frozen)
-        out[:, column] = np.concatenate([new.y, new.w.ravel()])
-    return out

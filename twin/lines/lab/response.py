@@ -14,11 +14,11 @@ from scipy.sparse.linalg import splu
 
 from twin.lines.lab.exact import transfer_matrix
 from twin.lines.lab.friction import Friction, convolution_weights, recursion
-from twin.lines.lab.integrate import runge_kutta, transition
 from twin.lines.lab.pipe import PRESSURE, VELOCITY, Array, Case, End, Pipe, closed, constant, reservoir
+from twin.lines.lab.propagate import propagator
 from twin.lines.lab.rig_line import rig_modes
 from twin.lines.lab.space import Grid
-from twin.lines.lab.system import LineSystem, State, line_system
+from twin.lines.lab.system import LineSystem, line_system
 from twin.lines.lab.tableau import PAIRS
 
 if TYPE_CHECKING:
@@ -95,21 +95,12 @@ def _by_symbol(system: LineSystem, s: complex) -> Complex:
 
 
 def _by_stages(system: LineSystem, time: str, step: float, omega: Array) -> Complex:
-    """The same of a Runge-Kutta scheme: z y = R y + r(omega), r from the end's values at the stages."""
-    matrix, pair, n = transition(system, time, step), PAIRS[time], system.nodes
-    frozen, at = system.freeze(np.zeros(2 * n)), list(system.rows).index(n)
-    eye, out = np.eye(len(matrix)), []
-    for w in np.asarray(omega):
-        parts = []
-        for wave, start in ((np.cos, 1.0), (np.sin, 0.0)):
-            system.values[at] = lambda t, wave=wave, w=w: float(wave(w * t))
-            y = np.zeros(2 * n)
-            y[n] = start
-            rest = State(y, np.zeros((len(system.alpha), n)))
-            after = runge_kutta(system, pair, rest, 0.0, step, frozen)[0]
-            parts.append(np.concatenate([after.y, after.w.ravel()]))
-        drive = parts[0] + 1j * parts[1]
-        out.append(np.linalg.solve(np.exp(1j * w * step) * eye - matrix, drive)[: 2 * n])
+    """The same of a Runge-Kutta scheme: z x = R x + r e^(i omega c h)."""
+    one, k = propagator(system, time, step), list(system.rows).index(system.nodes)
+    eye, out = np.eye(len(one.matrix)), []
+    for turn in np.asarray(omega) * step:
+        drive = np.exp(1j * turn * one.stages) @ one.drive[:, k]
+        out.append(np.linalg.solve(np.exp(1j * turn) * eye - one.matrix, drive)[: 2 * system.nodes])
     return np.array(out)
 
 

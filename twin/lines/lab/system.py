@@ -6,7 +6,7 @@
 I_j' = -(n_j/t_v) I_j + m_j u' holds the recursion (2.65), corrected, as an equation, so that every integrator keeps its
 order. A held end is an equation without derivative, 0 = g(t) - y_k, put in the place of the one for y_k: what couples a
 consistent mass to the end's rate is kept. sigma = sign(u u_x) of Brunone's term and Re of turbulent friction are taken
-from the start of a step, (2.55). Implicit stages y - theta F(y, t) = z are solved by one sparse factorisation.
+from the start of a step, (2.55). Implicit stages y - theta F(y, t) = z are solved by one banded factorisation.
 """
 
 from collections.abc import Callable
@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import sparse as scipy_sparse
-from scipy.sparse.linalg import splu
 
 from twin.lines.friction import turbulence
+from twin.lines.lab.factor import factorise
 from twin.lines.lab.friction import Friction
 from twin.lines.lab.pipe import PRESSURE, Array, Case, Pipe, steady_pressure
 from twin.lines.lab.space import Grid
@@ -58,7 +58,8 @@ class LineSystem:
         self.mass: Any = (sparse.diags_array(free * heavy) @ both).tocsr()
         waves = sparse.block_array([[None, grid.derivative], [grid.derivative, None]])
         self.rate: Any = (-pipe.speed * sparse.diags_array(free) @ waves - sparse.diags_array(1.0 - free)).tocsr()
-        self._solvers: dict[Any, Any] = {}
+        self._linear = Frozen(np.full(self.nodes, model.steady * pipe.steady_rate), np.zeros(self.nodes))
+        self._solvers: dict[Any, Callable[[Array], Array]] = {}
 
     def source(self, t: float) -> Array:
         """g(t) in the rows of held ends, 0 else [Pa]."""
@@ -69,8 +70,9 @@ class LineSystem:
 
     def freeze(self, y: Array) -> Frozen:
         """The non-linear parts at the start of a step."""
-        u = y[self.nodes :]
-        beta = np.full(self.nodes, self.model.steady * self.pipe.steady_rate)
+        if self.model.linear:
+            return self._linear
+        u, beta = y[self.nodes :], self._linear.beta.copy()
         if self.model.turbulent:
             per_u = self.pipe.diameter / (self.pipe.viscosity * self.pipe.hammer)
             beta *= [turbulence(value) for value in np.abs(u) * per_u]
@@ -94,23 +96,26 @@ class LineSystem:
 
     def solve(self, theta: float, z: State, t: float, frozen: Frozen) -> State:
         """The stage y = M^-1 (z + theta F(y, t)), w likewise, memories eliminated place by place."""
+        right = z.y.copy()
+        right[self.rows] = [theta * value(t) for value in self.values]
+        if not len(self.alpha):
+            return State(self.solver(theta, frozen)(right), z.w)
         damping = 1.0 + theta * self.alpha
         late = z.w / damping[:, None]
-        right = z.y + theta * self.source(t)
-        if len(late):
-            right[self.nodes :] -= self.free[self.nodes :] * (theta * self.memory * (self.grid.mass @ late.sum(axis=0)))
-        y = self.solver(theta, frozen).solve(right)
+        dragged = self.grid.mass @ late.sum(axis=0)
+        right[self.nodes :] -= theta * self.memory * self.free[self.nodes :] * dragged
+        y = self.solver(theta, frozen)(right)
         gain = theta * self.alpha * self.model.weights / damping
         return State(y, late - gain[:, None] * y[self.nodes :])
 
-    def solver(self, theta: float, frozen: Frozen) -> Any:
+    def solver(self, theta: float, frozen: Frozen) -> Callable[[Array], Array]:
         """The factorised matrix of a stage, kept for the next one like it."""
-        key = (theta, frozen.beta.tobytes(), frozen.sigma.tobytes())
+        key = theta if self.model.linear else (theta, frozen.beta.tobytes(), frozen.sigma.tobytes())
         if key not in self._solvers:
             if len(self._solvers) >= KEPT:
                 self._solvers.pop(next(iter(self._solvers)))
             share = float((self.model.weights / (1.0 + theta * self.alpha)).sum())
-            self._solvers[key] = splu((self.mass - theta * self.with_friction(share, frozen)).tocsc())
+            self._solvers[key] = factorise(self.mass - theta * self.with_friction(share, frozen))
         return self._solvers[key]
 
     def with_friction(self, share: complex, frozen: Frozen) -> Any:
