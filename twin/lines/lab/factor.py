@@ -4,10 +4,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.linalg import lapack
+from scipy.linalg import lapack as scipy_lapack
 
 from twin.lines.lab.pipe import Array
 
+lapack: Any = scipy_lapack  # whose annotations lack its functions
 NARROW = 0.25  # of the size, width of a band
 
 
