@@ -84,7 +84,9 @@ def _checked(case: Case, request: Request, fine: Resolution, span: float) -> Non
         raise ValueError(f"--poles {request.poles} is outside 1 .. {MOST_POLES}")
     step = fine.step or case.pipe.travel_time / fine.cells
     if span / step > MOST_STEPS:
-        raise ValueError(f"--span {span:g} s is {span / step:.2g} steps, limit {MOST_STEPS:g}; take a shorter one or fewer cells")
+        raise ValueError(
+            f"--span {span:g} s is {span / step:.2g} steps, limit {MOST_STEPS:g}; take a shorter one or fewer cells"
+        )
     if span < step:
         raise ValueError(f"--span {span:g} s is shorter than a step of {step:.3g} s; take a longer one")
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from twin.lines.lab.characteristics import Net, characteristics, march_net
 from twin.lines.lab.exact import exact_history
 from twin.lines.lab.friction import friction
 from twin.lines.lab.integrate import PAIRS, march, runge_kutta
+from twin.lines.lab.network import Net, characteristics, march_net
 from twin.lines.lab.pipe import (
     VELOCITY,
     Case,

@@ -10,7 +10,6 @@ from scipy.special import jn_zeros
 
 from tests.exact_line import Pipe as OtherPipe
 from tests.exact_line import echoes
-from twin.lines.lab.characteristics import characteristics
 from twin.lines.lab.exact import exact_history
 from twin.lines.lab.friction import (
     Friction,
@@ -23,6 +22,7 @@ from twin.lines.lab.friction import (
     weight_integral,
 )
 from twin.lines.lab.integrate import until
+from twin.lines.lab.network import characteristics
 from twin.lines.lab.peaks import Peaks, peaks_of
 from twin.lines.lab.pipe import VELOCITY, Case, End, Pipe, ramp, reservoir
 from twin.lines.lab.simulate import Resolution, method_of_lines, simulate

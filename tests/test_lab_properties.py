@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from twin.lines.lab.characteristics import Net, characteristics, march_net
 from twin.lines.lab.friction import NAMES, Friction, friction
 from twin.lines.lab.integrate import PAIRS, march
+from twin.lines.lab.network import Net, characteristics, march_net
 from twin.lines.lab.pipe import (
     PRESSURE,
     VELOCITY,

@@ -7,8 +7,8 @@ friction. The density is not printed there; with 876.56 kg/m^3 of 2.2.3 the step
 import numpy as np
 
 from bridge.figures.canvas import Columns, Sheet, label, remark, stack
-from twin.lines.lab.characteristics import characteristics
 from twin.lines.lab.friction import friction
+from twin.lines.lab.network import characteristics
 from twin.lines.lab.pipe import VELOCITY, Case, End, History, Pipe, constant, reservoir
 
 PIPE = Pipe(10.0, 0.02, 1000.0, 876.56, 40e-6)  # diameter and viscosity do not matter without friction

@@ -8,9 +8,9 @@ not enough: the right panel says how many are.
 import numpy as np
 
 from bridge.figures.canvas import Columns, Sheet, label, remark, shades, sheet
-from twin.lines.lab.characteristics import characteristics
 from twin.lines.lab.exact import exact_history
 from twin.lines.lab.friction import Friction, friction
+from twin.lines.lab.network import characteristics
 from twin.lines.lab.peaks import Peaks, peaks_of
 from twin.lines.lab.pipe import VELOCITY, Case, End, History, Pipe, ramp, reservoir
 from twin.lines.lab.simulate import Resolution, method_of_lines

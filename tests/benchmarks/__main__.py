@@ -7,11 +7,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tests.benchmarks import lines, loop, plant, recorder, relief, replay, start, timing, view
+from tests.benchmarks import lines, lines_lab, loop, plant, recorder, relief, replay, start, timing, view
 
 SECTIONS = {
     "plant": plant.rows,
     "lines": lines.rows,
+    "lines_lab": lines_lab.rows,
     "relief": relief.rows,
     "loop": loop.rows,
     "timing": timing.rows,

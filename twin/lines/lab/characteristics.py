@@ -1,4 +1,4 @@
-"""The method of characteristics for any number of lines that meet at junctions.
+"""The method of characteristics: the mesh of any number of lines and its steps; `network.py` is the door.
 
     C+: d(p + u)/dt = -f,  C-: d(p - u)/dt = f;    f at a node is B u + K at the step's end, K from the past
 
@@ -12,7 +12,7 @@ lines' ends as p = c + Z q, q into the line, (2.101); a pipe alone lies between 
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from twin.kernel import kernel
 from twin.lines.friction import turbulence
 from twin.lines.lab.friction import Friction, convolution_weights, recursion
-from twin.lines.lab.pipe import PRESSURE, Array, Case, History, Pipe, steady_pressure
+from twin.lines.lab.pipe import Array, Pipe
 
 # numbers of a line
 COURANT, BETA, MEMORY, SHEAR, PER_U, PER_CELL, NEWEST, PER_FLOW = range(8)
@@ -113,7 +113,7 @@ def run(m, junction_of, held, values, now, new, memory, changes, out) -> None:
                     new[P, i], new[U, i] = right, weight * m.numbers[line, PER_FLOW]
                 new[F, i] = known
         for junction in range(values.shape[1]):
-            _meet(m, junction_of, junction, held[junction], values[step, junction], new)
+            meet(m, junction_of, junction, held[junction], values[step, junction], new)
         for line in range(lines):
             for i in range(m.first[line], m.first[line + 1]):
                 change = new[U, i] - now[U, i]
@@ -138,7 +138,7 @@ def _foot(now, i: int, beside: int, courant: float, sign: float, half: float) ->
 
 
 @kernel
-def _meet(m, junction_of, junction: int, held: int, value: float, new) -> None:
+def meet(m, junction_of, junction: int, held: int, value: float, new) -> None:
     """Solve a junction; its ends hold c and Z in the rows of p and u, and get p and u."""
     pressure, total = value, 0.0
     if held == 0:
@@ -156,81 +156,3 @@ def _meet(m, junction_of, junction: int, held: int, value: float, new) -> None:
                 i = m.first[line] if end == 0 else m.first[line + 1] - 1
                 flow = (pressure - new[P, i]) / new[U, i]
                 new[P, i], new[U, i] = pressure, flow * m.numbers[line, PER_FLOW] * (1.0 - 2.0 * end)
-
-
-class Net(NamedTuple):
-    """Lines and where they meet."""
-
-    pipes: tuple[Pipe, ...]
-    junction_of: tuple[tuple[int, int], ...]  # per line: junction at end 1, at end 2
-    held: tuple[int, ...]  # per junction: 1 if its pressure is given, 0 if its inflow is
-
-
-def march_net(
-    net: Net,
-    models: Sequence[Friction],
-    step: float,
-    cells: Sequence[int],
-    values: Array,
-    pressure: Sequence[Array],
-    velocity: Sequence[float],
-) -> Array:
-    """Run lines that meet. values (steps + 1, junctions): pressure [Pa] or inflow [m^3/s] from t = 0 on; pressure: at
-    each line's nodes, and velocity [m/s] of each line before. Returns (steps + 1, lines, 4): p_1, p_2 [Pa], v_1, v_2
-    [m/s]."""  # fmt: skip
-    steps = len(values) - 1
-    m = mesh(net.pipes, models, step, cells, steps)
-    nodes = int(m.first[-1])
-    now, new = np.zeros((3, nodes)), np.zeros((3, nodes))
-    now[P] = np.concatenate(list(pressure))
-    for i, (pipe, v) in enumerate(zip(net.pipes, velocity, strict=True)):
-        at = slice(m.first[i], m.first[i + 1])
-        now[U, at] = pipe.hammer * v
-        now[F, at] = [(_present_steady(m, i, u)) * u for u in now[U, at]]
-    memory = np.zeros((m.decay.shape[1], nodes))
-    changes = np.zeros((steps if m.kernel_weights.shape[1] else 0, nodes))
-    out = np.zeros((steps + 1, len(net.pipes), 4))
-    junction_of, held = np.array(net.junction_of), np.array(net.held)
-    _jump(m, junction_of, held, values[0], now, out)
-    run(m, junction_of, held, values[1:], now, new, memory, changes, out)
-    out[:, :, 2:] /= np.array([pipe.hammer for pipe in net.pipes])[:, None]
-    return out
-
-
-def _present_steady(m: Mesh, line: int, u: float) -> float:
-    n = m.numbers[line]
-    return n[BETA] * (turbulence(abs(u) * n[PER_U]) if n[PER_U] > 0.0 else 1.0)
-
-
-def _jump(m: Mesh, junction_of: Any, held: Any, values: Array, now: Array, out: Array) -> None:
-    """The ends at t = 0: whatever jumps there sends p -+ u of the steady flow into the line."""
-    ends = now.copy()
-    for line, row in enumerate(m.numbers):
-        low, high = m.first[line], m.first[line + 1] - 1
-        ends[P, low], ends[P, high] = now[P, low] - now[U, low], now[P, high] + now[U, high]
-        ends[U, [low, high]] = row[PER_FLOW]
-    for junction, kind in enumerate(held):
-        _meet(m, junction_of, junction, int(kind), float(values[junction]), ends)
-    for line in range(len(m.numbers)):
-        both = [m.first[line], m.first[line + 1] - 1]
-        now[:2, both] = ends[:2, both]
-        out[0, line] = *now[P, both], *now[U, both]
-
-
-def characteristics(case: Case, model: Friction, cells: int, span: float, courant: float = 1.0) -> History:
-    """One pipe. ValueError: Courant number outside (0, 1]."""
-    if not 0.0 < courant <= 1.0:
-        raise ValueError(f"Courant number {courant} is outside 0 < C <= 1, where characteristics are stable")
-    pipe = case.pipe
-    step = courant * pipe.travel_time / cells
-    times = step * np.arange(round(span / step) + 1)
-    values = np.zeros((len(times), 2))
-    for k, end in enumerate((case.left, case.right)):
-        factor = 1.0 if end.holds == PRESSURE else (1.0 - 2.0 * k) * pipe.area
-        values[:, k] = [factor * end.course(t) for t in times]
-    net = Net((pipe,), ((0, 1),), (int(case.left.holds == PRESSURE), int(case.right.holds == PRESSURE)))
-    per_u = pipe.diameter / (pipe.viscosity * pipe.hammer) if model.turbulent else 0.0
-    rate = model.steady * pipe.steady_rate * turbulence(abs(pipe.hammer * case.velocity) * per_u)
-    start = steady_pressure(case, np.linspace(0.0, pipe.length, cells + 1), rate)
-    found = march_net(net, [model], step, [cells], values, [start], [case.velocity])[:, 0]
-    return History(times, *found.T)

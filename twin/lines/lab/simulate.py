@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from twin.lines.lab.characteristics import characteristics
 from twin.lines.lab.exact import exact_history, kind_of
 from twin.lines.lab.friction import Friction, friction
 from twin.lines.lab.integrate import TIMES, march, march_adaptive
+from twin.lines.lab.network import characteristics
 from twin.lines.lab.pipe import Case, History
 from twin.lines.lab.rig_line import NEVER, rig_line
 from twin.lines.lab.space import SPACES, grid
