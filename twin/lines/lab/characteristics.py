@@ -64,77 +64,99 @@ def mesh(pipes: Sequence[Pipe], models: Sequence[Friction], step: float, cells: 
 
 
 @kernel
-def _past(m, line: int, i: int, step: int, now, memory, changes) -> float:
-    """K at a node: what is known of friction at the step's end beside B u."""
-    n, u = m.numbers[line], now[U, i]
-    total = 0.0
-    for j in range(m.decay.shape[1]):
-        total += m.decay[line, j] * memory[j, i]
-    for k in range(1, min(step + 1, m.kernel_weights.shape[1])):
-        total += m.kernel_weights[line, k] * changes[step - k, i]
-    known = n[MEMORY] * (total - n[NEWEST] * u)
-    if n[SHEAR] > 0.0:
-        low, high = max(i - 1, m.first[line]), min(i + 1, m.first[line + 1] - 1)
-        slope = abs(now[U, high] - now[U, low]) / (high - low) * n[PER_CELL]
-        known += n[SHEAR] * (-u / m.step + np.sign(u) * slope)
-    return known
-
-
-@kernel
-def _present(m, line: int, u: float) -> float:
-    """B at a node."""
-    n = m.numbers[line]
-    factor = turbulence(abs(u) * n[PER_U]) if n[PER_U] > 0.0 else 1.0
-    return n[BETA] * factor + n[MEMORY] * n[NEWEST] + n[SHEAR] / m.step
-
-
-@kernel
-def run(m, junction_of, held, values, now, new, memory, changes, out) -> None:
+def run(m, junction_of, held, values, fields, weight, memory, changes, out) -> None:
     """All steps.
 
     junction_of (lines, 2): junction at each end; held (junctions,): 1 pressure, 0 inflow; values (steps, junctions)
-    [Pa] or [m^3/s] at each step's end; now, new (3, nodes); memory (K, nodes); changes (steps, nodes) for the
-    convolution; out (steps + 1, lines, 4): p_1, p_2, u_1, u_2.
+    [Pa] or [m^3/s] at each step's end; fields (2, 3, nodes): the start in the first; weight (nodes,); memory (K,
+    nodes); changes (steps, nodes) for the convolution; out (steps + 1, lines, 4): p_1, p_2, u_1, u_2.
     """
-    lines, half = len(m.numbers), 0.5 * m.step
+    for line in range(len(m.numbers)):
+        _weigh(m, line, fields[0], weight)
     for step in range(len(values)):
-        for line in range(lines):
-            low, high, c = m.first[line], m.first[line + 1] - 1, m.numbers[line, COURANT]
-            for i in range(low, high + 1):
-                present, known = _present(m, line, now[U, i]), _past(m, line, i, step, now, memory, changes)
-                back, ahead = max(i - 1, low), min(i + 1, high)
-                right = _foot(now, i, back, c, 1.0, half) - half * known
-                left = _foot(now, i, ahead, c, -1.0, half) + half * known
-                weight = 1.0 + half * present
-                new[P, i], new[U, i] = 0.5 * (right + left), 0.5 * (right - left) / weight
-                if i == low:
-                    new[P, i], new[U, i] = left, weight * m.numbers[line, PER_FLOW]  # c and Z of the end
-                elif i == high:
-                    new[P, i], new[U, i] = right, weight * m.numbers[line, PER_FLOW]
-                new[F, i] = known
+        now, new = fields[step & 1], fields[1 - (step & 1)]
+        for line in range(len(m.numbers)):
+            if m.numbers[line, PER_U] > 0.0:
+                _weigh(m, line, now, weight)
+            _know(m, line, step, now, memory, changes, new)
+            _travel(m, line, now, weight, new)
         for junction in range(values.shape[1]):
             meet(m, junction_of, junction, held[junction], values[step, junction], new)
-        for line in range(lines):
-            for i in range(m.first[line], m.first[line + 1]):
-                change = new[U, i] - now[U, i]
-                new[F, i] += _present(m, line, now[U, i]) * new[U, i]
-                for j in range(m.decay.shape[1]):
-                    memory[j, i] = m.decay[line, j] * memory[j, i] + m.gain[line, j] * change
-                if m.kernel_weights.shape[1] > 0:
-                    changes[step, i] = change
-                for row in range(3):
-                    now[row, i] = new[row, i]
+        for line in range(len(m.numbers)):
+            _remember(m, line, step, now, weight, new, memory, changes)
             low, high = m.first[line], m.first[line + 1] - 1
-            out[step + 1, line, 0], out[step + 1, line, 1] = now[P, low], now[P, high]
-            out[step + 1, line, 2], out[step + 1, line, 3] = now[U, low], now[U, high]
+            out[step + 1, line, 0], out[step + 1, line, 1] = new[P, low], new[P, high]
+            out[step + 1, line, 2], out[step + 1, line, 3] = new[U, low], new[U, high]
 
 
 @kernel
-def _foot(now, i: int, beside: int, courant: float, sign: float, half: float) -> float:
-    """p +- (u - h/2 f) where a characteristic started."""
-    here = now[P, i] + sign * (now[U, i] - half * now[F, i])
-    there = now[P, beside] + sign * (now[U, beside] - half * now[F, beside])
-    return here + courant * (there - here)
+def _weigh(m, line: int, now, weight) -> None:
+    """1 + h/2 B at the nodes of a line; turbulence from the step's start."""
+    n, half = m.numbers[line], 0.5 * m.step
+    rest = n[MEMORY] * n[NEWEST] + n[SHEAR] / m.step
+    for i in range(m.first[line], m.first[line + 1]):
+        factor = turbulence(abs(now[U, i]) * n[PER_U]) if n[PER_U] > 0.0 else 1.0
+        weight[i] = 1.0 + half * (n[BETA] * factor + rest)
+
+
+@kernel
+def _know(m, line: int, step: int, now, memory, changes, new) -> None:
+    """K at the nodes of a line into the row of f: what is known of friction at the step's end beside B u."""
+    n, low, high = m.numbers[line], m.first[line], m.first[line + 1]
+    u, known = now[U], new[F]
+    share = n[MEMORY] * n[NEWEST]
+    for i in range(low, high):
+        known[i] = -share * u[i]
+    for j in range(m.decay.shape[1]):
+        share, row = n[MEMORY] * m.decay[line, j], memory[j]
+        for i in range(low, high):
+            known[i] += share * row[i]
+    for k in range(1, min(step + 1, m.kernel_weights.shape[1])):
+        share, row = n[MEMORY] * m.kernel_weights[line, k], changes[step - k]
+        for i in range(low, high):
+            known[i] += share * row[i]
+    if n[SHEAR] > 0.0:
+        for i in range(low, high):
+            back, ahead = max(i - 1, low), min(i + 1, high - 1)
+            slope = abs(u[ahead] - u[back]) / (ahead - back) * n[PER_CELL]
+            known[i] += n[SHEAR] * (-u[i] / m.step + np.sign(u[i]) * slope)
+
+
+@kernel
+def _travel(m, line: int, now, weight, new) -> None:
+    """p and u at the step's end inside a line; at its ends c and Z in their place."""
+    low, last, half = m.first[line], m.first[line + 1] - 1, 0.5 * m.step
+    p, u, f, known, c = now[P], now[U], now[F], new[F], m.numbers[line, COURANT]
+    p_new, u_new, per_flow = new[P], new[U], m.numbers[line, PER_FLOW]
+    for i in range(low + 1, last):
+        back = p[i - 1] + u[i - 1] - half * f[i - 1]
+        ahead = p[i + 1] - u[i + 1] + half * f[i + 1]
+        if c < 1.0:
+            here = u[i] - half * f[i]
+            back, ahead = (1.0 - c) * (p[i] + here) + c * back, (1.0 - c) * (p[i] - here) + c * ahead
+        p_new[i] = 0.5 * (back + ahead)
+        u_new[i] = (0.5 * (back - ahead) - half * known[i]) / weight[i]
+    here, there = p[low] - u[low] + half * f[low], p[low + 1] - u[low + 1] + half * f[low + 1]
+    p_new[low] = (1.0 - c) * here + c * there + half * known[low]
+    here, there = p[last] + u[last] - half * f[last], p[last - 1] + u[last - 1] - half * f[last - 1]
+    p_new[last] = (1.0 - c) * here + c * there - half * known[last]
+    u_new[low], u_new[last] = weight[low] * per_flow, weight[last] * per_flow
+
+
+@kernel
+def _remember(m, line: int, step: int, now, weight, new, memory, changes) -> None:
+    """Friction and memories of a line at the step's end."""
+    low, high, per_half = m.first[line], m.first[line + 1], 2.0 / m.step
+    before, u, f = now[U], new[U], new[F]
+    for i in range(low, high):
+        f[i] += per_half * (weight[i] - 1.0) * u[i]
+    for j in range(m.decay.shape[1]):
+        decay, gain, row = m.decay[line, j], m.gain[line, j], memory[j]
+        for i in range(low, high):
+            row[i] = decay * row[i] + gain * (u[i] - before[i])
+    if m.kernel_weights.shape[1] > 0:
+        for i in range(low, high):
+            changes[step, i] = u[i] - before[i]
 
 
 @kernel

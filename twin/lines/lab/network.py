@@ -8,7 +8,7 @@ import numpy as np
 from twin.lines.friction import turbulence
 from twin.lines.lab.characteristics import BETA, PER_FLOW, PER_U, F, Mesh, P, U, meet, mesh, run
 from twin.lines.lab.friction import Friction
-from twin.lines.lab.pipe import PRESSURE, Array, Case, History, Pipe, steady_pressure
+from twin.lines.lab.pipe import PRESSURE, Array, Case, History, Pipe, sampled, steady_pressure
 
 
 class Net(NamedTuple):
@@ -34,7 +34,8 @@ def march_net(
     steps = len(values) - 1
     m = mesh(net.pipes, models, step, cells, steps)
     nodes = int(m.first[-1])
-    now, new = np.zeros((3, nodes)), np.zeros((3, nodes))
+    fields = np.zeros((2, 3, nodes))
+    now = fields[0]
     now[P] = np.concatenate(list(pressure))
     for i, (pipe, v) in enumerate(zip(net.pipes, velocity, strict=True)):
         at = slice(m.first[i], m.first[i + 1])
@@ -45,7 +46,7 @@ def march_net(
     out = np.zeros((steps + 1, len(net.pipes), 4))
     junction_of, held = np.array(net.junction_of), np.array(net.held)
     _jump(m, junction_of, held, values[0], now, out)
-    run(m, junction_of, held, values[1:], now, new, memory, changes, out)
+    run(m, junction_of, held, values[1:], fields, np.zeros(nodes), memory, changes, out)
     out[:, :, 2:] /= np.array([pipe.hammer for pipe in net.pipes])[:, None]
     return out
 
@@ -80,7 +81,7 @@ def characteristics(case: Case, model: Friction, cells: int, span: float, couran
     values = np.zeros((len(times), 2))
     for k, end in enumerate((case.left, case.right)):
         factor = 1.0 if end.holds == PRESSURE else (1.0 - 2.0 * k) * pipe.area
-        values[:, k] = [factor * end.course(t) for t in times]
+        values[:, k] = factor * sampled(end, times)
     net = Net((pipe,), ((0, 1),), (int(case.left.holds == PRESSURE), int(case.right.holds == PRESSURE)))
     per_u = pipe.diameter / (pipe.viscosity * pipe.hammer) if model.turbulent else 0.0
     rate = model.steady * pipe.steady_rate * turbulence(abs(pipe.hammer * case.velocity) * per_u)

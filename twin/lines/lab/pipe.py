@@ -80,6 +80,13 @@ class End(NamedTuple):
     course: Callable[[float], float]
 
 
+def sampled(end: End, times: Array) -> Array:
+    """What an end holds at some times [s], in SI."""
+    if isinstance(end.course, Course):
+        return np.interp(times, end.course.times, end.course.values)
+    return np.array([end.course(float(t)) for t in times])
+
+
 def closed() -> End:
     """A shut end."""
     return End(VELOCITY, constant(0.0))

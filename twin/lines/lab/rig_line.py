@@ -14,7 +14,7 @@ from twin.lines.bank import bank_of, inner_cavity, leave, memory_size, oncoming,
 from twin.lines.filters import scattering
 from twin.lines.fit import fit
 from twin.lines.lab.friction import Friction
-from twin.lines.lab.pipe import PRESSURE, Array, Case, History, Pipe
+from twin.lines.lab.pipe import PRESSURE, Array, Case, History, Pipe, sampled
 from twin.lines.spec import LineSpec, derive
 from twin.lines.theory import Line
 from twin.port import Port, cavity, pressure, with_cavity
@@ -72,7 +72,7 @@ def rig_line(
     values, memory = np.zeros((count, 2)), np.zeros(memory_size(bank))
     for k, end in enumerate((case.left, case.right)):
         factor = 1.0 if end.holds == PRESSURE else (1.0 - 2.0 * k) * area
-        values[:, k] = [factor * end.course(t) for t in times]
+        values[:, k] = factor * sampled(end, times)
     flow = case.velocity * area
     drop = steady_drop(bank, 0, flow)
     low = case.pressure - (drop if case.anchored_left else 0.0)
