@@ -203,10 +203,10 @@ def test_brunone_coefficient():
     assert shear_decay(1e5) == pytest.approx(0.5 * math.sqrt(7.41 / 10 ** (5 * (1.155336 - 0.25))), rel=1e-5)
 
 
-@pytest.mark.parametrize("scheme", ["fem/esdirk4", "cds5/esdirk3", "chebyshev/esdirk4", "nodes", "ends"])
+@pytest.mark.parametrize("scheme", ["fem/esdirk3", "chebyshev/esdirk4", "nodes", "ends"])
 def test_other_schemes_meet_the_tenth_peak(scheme: str):
-    """The method of lines rings at the kinks of the course: 0.5 %; the rig's lines at 100 us: 1 %."""
-    cells = 24 if "chebyshev" in scheme else 50
+    """20 or 40 cells; the rig's lines at 100 us: 1 %."""
+    cells = 20 if "chebyshev" in scheme else 40
     fine = Resolution(cells=cells, step=100e-6 if scheme in ("nodes", "ends") else 0.0)
     history = simulate(HAMMER, scheme, "fit", SPAN, fine)
     assert peaks_of(HAMMER, history).amplitude[9] == pytest.approx(exact_peaks().amplitude[9], rel=0.01)
@@ -227,14 +227,14 @@ def test_memories_keep_the_order_in_time(time: str):
 @pytest.mark.parametrize("scheme", ["moc", "fem/bdf2", "ends"])
 def test_quasi_steady_is_steady_while_laminar_and_more_beyond(scheme: str):
     """Steady flow holds; stopped from Re 10^4, turbulent friction takes more than laminar."""
-    fine = Resolution(cells=20, step=20e-6 if scheme == "ends" else 0.0)
+    fine = Resolution(cells=10, step=20e-6 if scheme == "ends" else 0.0)
     oil = Pipe(2.0, 0.011, 1137.0, 878.0, 40e-6)
     ends = End(VELOCITY, ramp(4.0, 0.0, 1e-3)), reservoir(20e5)
     slow, fast = Case(oil, *ends, 4.0, 20e5), Case(oil._replace(viscosity=4e-6), *ends, 4.0, 20e5)
     assert simulate(slow, scheme, "quasi-steady", 0.02, fine).p_1 == pytest.approx(
         simulate(slow, scheme, "steady", 0.02, fine).p_1, abs=1.0
     )
-    tail = [simulate(fast, scheme, name, 0.05, fine).p_1[-200:] for name in ("quasi-steady", "steady")]
+    tail = [simulate(fast, scheme, name, 0.03, fine).p_1[-100:] for name in ("quasi-steady", "steady")]
     assert np.ptp(tail[0]) < np.ptp(tail[1])
 
 

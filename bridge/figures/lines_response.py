@@ -25,9 +25,9 @@ LINES = (("cds3", "bdf2"), ("cds5", "esdirk4"), ("fem", "backward-euler"), ("fem
 BAR_PER_LITRE = 1e-5 * 1e-3 / 60.0  # [bar/(l/min)] of Pa s/m^3
 
 
-def responses() -> dict[str, Array]:
-    """Impedance by scheme, complex."""
-    omega = 2.0 * np.pi * FREQUENCIES
+def responses(frequencies: Array = FREQUENCIES) -> dict[str, Array]:
+    """Impedance by scheme at frequencies [Hz], complex."""
+    omega = 2.0 * np.pi * frequencies
     fit = friction("fit", viscous_time=PIPE.viscous_time, step=STEP)
     rig_fit = friction("fit", viscous_time=PIPE.viscous_time, step=RIG_STEP)
     found = {"exact": exact_response(PIPE, "unsteady", omega)}
