@@ -8,11 +8,13 @@ from twin.lines.lab.friction import friction
 from twin.lines.lab.integrate import PAIRS, march, runge_kutta
 from twin.lines.lab.network import Net, characteristics, march_net
 from twin.lines.lab.pipe import (
+    PRESSURE,
     VELOCITY,
     Case,
     Course,
     End,
     Pipe,
+    closed,
     constant,
     elastic,
     ramp,
@@ -62,6 +64,18 @@ def test_friction_along_characteristics_is_of_second_order():
         right = exact_history(case, "steady", found.time[-1], len(found.time) - 1)
         errors.append(np.sqrt(np.mean((found.p_1 - right.p_1) ** 2)))
     assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.3)
+
+
+@pytest.mark.parametrize(("left", "right", "sign"), [("shut", "held", -1.0), ("held", "shut", 1.0)])
+def test_a_sudden_stop_is_joukowskys(left: str, right: str, sign: float):
+    """rho a v at once, below at the inlet and above at the outlet, from steady flow with friction."""
+    ends = {"shut": closed(), "held": reservoir(20e5)}
+    case = Case(OIL, ends[left], ends[right], 2.0, 20e5)
+    found = characteristics(case, friction("steady"), 20, OIL.travel_time)
+    drop = OIL.steady_rate * OIL.hammer * 2.0 * OIL.travel_time
+    stopped = (found.p_1 if left == "shut" else found.p_2)[0]
+    before = 20e5 + (drop if left == "shut" else -drop)
+    assert stopped - before == pytest.approx(sign * OIL.hammer * 2.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("courant", [0.0, 1.2])
@@ -118,11 +132,32 @@ def test_cavity_as_in_the_rig():
     assert found.vapour[found.ends.time > 25e-3].min() == 0.0
 
 
-def test_stages_reach_the_end_of_the_step():
-    """The last stage is the step: b is the last row of a, so the state is that of `march`."""
-    system, start = line_system(HAMMER, grid("fem", 8, 10.0), friction("none"))
+DRIVEN = Course((0.0, 1e-3, 2e-3, 4e-3), (0.0, 1.0, 0.3, -0.4))
+
+
+@pytest.mark.parametrize("right", [PRESSURE, VELOCITY])
+@pytest.mark.parametrize("left", [PRESSURE, VELOCITY])
+def test_exact_line_between_any_two_ends(left: str, right: str):
+    """Both ends driven at once, from rest, against characteristics with the whole convolution: 0.5 % rms."""
+    size = {PRESSURE: OIL.hammer, VELOCITY: 1.0}
+    ends = [
+        End(kind, DRIVEN._replace(values=tuple(sign * size[kind] * v for v in DRIVEN.values)))
+        for kind, sign in ((left, 1.0), (right, 0.6))
+    ]
+    case = Case(OIL, ends[0], ends[1], 0.0, 0.0)
+    found = characteristics(case, friction("convolution"), 40, 12e-3)
+    exact = exact_history(case, "unsteady", found.time[-1], len(found.time) - 1)
+    for mine, right_one, scale in zip(found[1:], exact[1:], (OIL.hammer, OIL.hammer, 1.0, 1.0), strict=True):
+        assert np.sqrt(np.mean((mine - right_one) ** 2)) < 5e-3 * scale
+
+
+def test_rates_are_those_of_the_stages():
+    """The first stage of a step is the last of the one before, also for the memories: what `rates` would give."""
+    system, start = line_system(HAMMER, grid("fem", 8, 10.0), friction("schohl"))
     march_states = march(system, start, "esdirk3", 1e-3)
     _, first = next(march_states)
-    _, second = next(march_states)
     frozen = system.freeze(first.y)
-    assert runge_kutta(system, PAIRS["esdirk3"], first, 0.0, 1e-3, frozen)[0].y == pytest.approx(second.y, rel=1e-12)
+    new, rates, _ = runge_kutta(system, PAIRS["esdirk3"], first, 0.0, 1e-3, frozen)
+    again = system.rates(1e-3, new, frozen)
+    for by_stage, directly in zip(rates, again, strict=True):
+        assert by_stage == pytest.approx(directly, rel=1e-6, abs=1e-7 * np.abs(directly).max())

@@ -13,7 +13,7 @@ from twin.lines.lab.peaks import peaks_of
 def test_characteristics_with_half_steps_damp():
     """2.23: whole steps swing between 9.12 and 10.88 bar for ever, interpolated ones lose height and slope."""
     table = lines_characteristics.columns()
-    whole, half = table["inlet pressure, Courant 1 [Pa]"], table["inlet pressure, Courant 0.5 [Pa]"]
+    whole, half = table["inlet pressure at Courant 1 [Pa]"], table["inlet pressure at Courant 0.5 [Pa]"]
     assert set(np.round(1e-5 * whole, 5)) == {10.87656, 9.12344}
     late = table["time [s]"] > 0.04
     assert half[late].max() < whole.max() - 0.05e5

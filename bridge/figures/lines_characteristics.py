@@ -28,10 +28,10 @@ def columns() -> Columns:
     at = np.searchsorted(whole.time, half.time + 1e-9) - 1
     return {
         "time [s]": half.time,
-        "inlet pressure, Courant 1 [Pa]": whole.p_1[at],
-        "inlet pressure, Courant 0.5 [Pa]": half.p_1,
-        "outlet velocity, Courant 1 [m/s]": whole.v_2[at],
-        "outlet velocity, Courant 0.5 [m/s]": half.v_2,
+        "inlet pressure at Courant 1 [Pa]": whole.p_1[at],
+        "inlet pressure at Courant 0.5 [Pa]": half.p_1,
+        "outlet velocity at Courant 1 [m/s]": whole.v_2[at],
+        "outlet velocity at Courant 0.5 [m/s]": half.v_2,
     }
 
 

@@ -24,7 +24,7 @@ from twin.lines.lab.tableau import PAIRS
 PIPE = Pipe(1.0, 0.02, 1.0, 1.0, 1e-6)  # L = a = rho a = 1
 PERIODS = 10.0
 CELLS = (10, 20, 40, 80)
-HELD = "esdirk4, ends held over the step"
+HELD = "esdirk4 with ends held over the step"
 STYLE = {
     "backward-euler": ("o-", "black"), "bdf2": ("*-", "purple"), "esdirk3": ("+-", "tab:blue"),
     "esdirk4": ("x-", "tab:red"), "esdirk5": ("s-", "tab:green"), HELD: (".--", "0.5"),

@@ -32,10 +32,10 @@ def responses(frequencies: Array = FREQUENCIES) -> dict[str, Array]:
     rig_fit = friction("fit", viscous_time=PIPE.viscous_time, step=RIG_STEP)
     found = {"exact": exact_response(PIPE, "unsteady", omega)}
     found["moc"] = characteristics_response(PIPE, fit, CELLS, omega)
-    found["moc, Courant 0.5"] = characteristics_response(PIPE, fit, CELLS, omega, 0.5)
+    found["moc at Courant 0.5"] = characteristics_response(PIPE, fit, CELLS, omega, 0.5)
     for space, time in LINES:
         found[f"{space}/{time}"] = lines_response(PIPE, grid(space, CELLS, PIPE.length), time, fit, STEP, omega)
-    found["rig, ends"] = rig_response(PIPE, rig_fit, RIG_STEP, omega)
+    found["rig ends"] = rig_response(PIPE, rig_fit, RIG_STEP, omega)
     return {name: impedance(matrices) for name, matrices in found.items()}
 
 
@@ -59,5 +59,5 @@ def draw() -> tuple[Columns, Sheet]:
     remark(page, "20 cells, steps of Δx/a = 110 µs; rig: 50 µs; laminar friction with memory")
     table: Columns = {"frequency [Hz]": FREQUENCIES}
     for name, z in found.items():
-        table |= {f"{name}, real [Pa s/m^3]": z.real, f"{name}, imaginary [Pa s/m^3]": z.imag}
+        table |= {f"{name} real [Pa s/m^3]": z.real, f"{name} imaginary [Pa s/m^3]": z.imag}
     return table, page

@@ -13,11 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from bridge.figures.canvas import lattice
+from bridge.figures.lines_friction import CASE as SOURCE
+from bridge.figures.lines_friction import SPAN as SOURCE_SPAN
 from tests.benchmarks.plant import Row
 from twin.lines.lab.exact import exact_history
 from twin.lines.lab.friction import friction
 from twin.lines.lab.integrate import PAIRS, TIMES
 from twin.lines.lab.network import Net, characteristics, march_net
+from twin.lines.lab.peaks import peaks_of
 from twin.lines.lab.pipe import VELOCITY, Array, Case, End, History, Pipe, ramp, reservoir
 from twin.lines.lab.simulate import Resolution, simulate
 from twin.lines.lab.space import SPACES
@@ -160,7 +163,7 @@ def net_node_steps() -> float:
 
 
 def rows(folder: Path) -> Iterator[Row]:
-    """Rates beside TSNet's, then time to 1 % and best error of every scheme on every problem."""
+    """Rates beside TSNet's, figure 2.27 by every scheme, then time to 1 % and best error on every problem."""
     node_steps("steady")
     published = f"TSNet {PUBLISHED[0]:.0e} .. {PUBLISHED[1]:.0e}"
     for name, theirs in RATES.items():
@@ -177,11 +180,26 @@ def rows(folder: Path) -> Iterator[Row]:
         published,
         f"{found / PUBLISHED[1]:.0f}",
     )
+    yield from hammer_rows()
     for name, problem in problems().items():
         for scheme, points in curves(problem).items():
             took, best = time_for(points), min(points, key=lambda point: point.error)
             ours = f"1 % in {1e3 * took:.2f} ms" if math.isfinite(took) else "1 % not reached"
             yield f"{name}: {scheme}", ours, f"{best.error:.1e} in {1e3 * best.seconds:.1f} ms", ""
+
+
+def hammer_rows() -> Iterator[Row]:
+    """Figure 2.27 by every scheme, 50 cells (Chebyshev 24), our fit, the rig's lines at 100 us: errors of peaks."""
+    right = peaks_of(SOURCE, exact_history(SOURCE, "unsteady", SOURCE_SPAN, 20000))
+    schemes = (*(f"{space}/{timing}" for space in SPACES for timing in TIMES), "moc", "nodes", "ends")
+    for scheme in schemes:
+        fine = Resolution(cells=24 if "cheb" in scheme else 50, step=1e-4 if scheme in ("nodes", "ends") else 0.0)
+        found = peaks_of(SOURCE, simulate(SOURCE, scheme, "fit", SOURCE_SPAN, fine))
+        off = 100.0 * (found.amplitude / right.amplitude - 1.0)
+        late = 1e3 * (found.end - right.end)
+        heights = " ".join(f"{off[n]:+.2f}" for n in (0, 1, 4, 9))
+        times = " ".join(f"{late[n]:+.2f}" for n in (0, 4, 9))
+        yield f"2.27, peaks 1, 2, 5, 10: {scheme}", f"{heights} %", f"ends of 1, 5, 10 {times} ms", ""
 
 
 MARKS = dict(zip(TIMES, "o*+xs", strict=True))
