@@ -18,6 +18,7 @@ UNITS: dict[str, dict[str, Unit]] = {
     "s": {"s": Unit(1.0), "ms": Unit(1e-3), "us": Unit(1e-6), "ns": Unit(1e-9), "min": Unit(MINUTE), "h": Unit(3600.0)},
     "m": {"m": Unit(1.0), "cm": Unit(1e-2), "mm": Unit(1e-3), "um": Unit(1e-6)},
     "m/s": {"m/s": Unit(1.0), "mm/s": Unit(1e-3)},
+    "m^2/s": {"m^2/s": Unit(1.0), "mm^2/s": Unit(1e-6), "cSt": Unit(1e-6)},
     "m^3": {"m^3": Unit(1.0), "l": Unit(1e-3), "cm^3": Unit(1e-6)},
     "m^3/s": {"m^3/s": Unit(1.0), "l/min": Unit(1e-3 / MINUTE), "l/s": Unit(1e-3)},
     "Pa": {"Pa": Unit(1.0), "kPa": Unit(1e3), "MPa": Unit(1e6), "GPa": Unit(1e9), "bar": Unit(1e5)},

@@ -49,7 +49,7 @@ def exact_points(law) -> Points:
     return measure(law, thermometer=0.0, stop_watch=0.0)
 
 
-@pytest.mark.parametrize(("name", "nearest"), [("2.3", "2.30"), ("24", "2.4"), ("viscosity", "2.2, 2.4, 2.5, 2.6")])
+@pytest.mark.parametrize(("name", "nearest"), [("2.3", "2.23"), ("24", "2.4"), ("viscosity", "2.2, 2.4, 2.5, 2.6")])
 def test_an_unknown_figure_is_refused_with_the_nearest(tmp_path: Path, name: str, nearest: str):
     with pytest.raises(ValueError, match=rf"no figure '{name}'; nearest: .*{nearest}"):
         draw_figure(name, tmp_path / "none")

@@ -1,6 +1,6 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
-from bridge.cli import inspect, looking, processes, record, recordings, replay, running, stability, valve
+from bridge.cli import inspect, line, looking, processes, record, recordings, replay, running, stability, valve
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {
@@ -22,6 +22,7 @@ PANELS = {
         inspect.messages,
         inspect.figures,
         inspect.figure,
+        line.line,
         inspect.doctor,
     ),
     PROCESSES: (

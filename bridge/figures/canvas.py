@@ -54,6 +54,18 @@ def tiles(title: str, rows: int, columns: int) -> tuple[Sheet, list[Axes]]:
     return page, [_plain(axes) for axes in page.subplots(rows, columns, squeeze=False).ravel()]
 
 
+def lattice(title: str, rows: int, columns: int) -> tuple[Sheet, list[list[Axes]]]:
+    """An empty sheet with a title and rows of panels that share their vertical axis in each row."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    page = Figure(figsize=(3.2 * columns, 0.6 + 3.0 * rows), dpi=DOTS_PER_INCH, layout="constrained")
+    FigureCanvasAgg(page)
+    page.suptitle(title, fontsize=12)
+    panels = page.subplots(rows, columns, sharey="row", squeeze=False)
+    return page, [[_plain(axes) for axes in row] for row in panels]
+
+
 def drawing(width: float, height: float, bounds: tuple[float, float, float, float]) -> tuple[Sheet, Axes]:
     """An empty sheet [inch] without axes; bounds: left, right, bottom, top, of the same shape or drawn to fit."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg

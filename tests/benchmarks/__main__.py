@@ -9,6 +9,7 @@ from rich.table import Table
 
 from tests.benchmarks import (
     lines,
+    lines_lab,
     loop,
     plant,
     recorder,
@@ -26,6 +27,7 @@ from tests.benchmarks import (
 SECTIONS = {
     "plant": plant.rows,
     "lines": lines.rows,
+    "lines_lab": lines_lab.rows,
     "relief": relief.rows,
     "valves": valves.rows,
     "loop": loop.rows,

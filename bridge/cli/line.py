@@ -1,0 +1,63 @@
+"""The verb `line`: waves in one pipe."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bridge.cli.app import AS_JSON, print_json
+
+
+def line(
+    length: Annotated[str, typer.Option(help="Of the pipe.")] = "2.5 m",
+    diameter: Annotated[str, typer.Option(help="Inner.")] = "11 mm",
+    oil: Annotated[str, typer.Option(help="rig: the oil of the rig.")] = "rig",
+    temperature: Annotated[str, typer.Option(help="Of the oil, up to 80 degC.")] = "40.07 degC",
+    viscosity: Annotated[str | None, typer.Option(help="Instead, in m^2/s or mm^2/s.")] = None,
+    density: Annotated[str | None, typer.Option(help="Instead of that oil's.")] = None,
+    speed: Annotated[str | None, typer.Option(help="Of waves; else from oil, wall and Young's modulus.")] = None,
+    wall: Annotated[str, typer.Option(help="Thickness of the elastic wall.")] = "2 mm",
+    young: Annotated[str, typer.Option(help="Young's modulus of the wall.")] = "210 GPa",
+    left: Annotated[str, typer.Option(help="closed, reservoir, shut, open or push.")] = "shut",
+    right: Annotated[str, typer.Option(help="The same for the other end.")] = "reservoir",
+    velocity: Annotated[str, typer.Option(help="From left to right, before shut or after open.")] = "1 m/s",
+    pressure: Annotated[str, typer.Option(help="Of a reservoir, and before a push.")] = "20 bar",
+    rise: Annotated[str, typer.Option(help="Pressure added by a push.")] = "10 bar",
+    closure: Annotated[str, typer.Option(help="Time to shut, open or push.")] = "1 ms",
+    span: Annotated[str | None, typer.Option(help="Simulated time; else 20 travel times.")] = None,
+    scheme: Annotated[
+        str,
+        typer.Option(
+            help="moc; SPACE/TIME of cds3, cds5, fem, chebyshev and backward-euler, bdf2, esdirk3, esdirk4, esdirk5; "
+            "ends, nodes, lumped (the rig's); exact."
+        ),
+    ] = "moc",
+    friction: Annotated[
+        str,
+        typer.Option(help="none, steady, quasi-steady, brunone, zielke, trikha, kagawa, schohl, fit or convolution."),
+    ] = "fit",
+    cells: Annotated[int, typer.Option(help="Along the pipe.")] = 50,
+    step: Annotated[str | None, typer.Option(help="Of SPACE/TIME and the rig's lines.")] = None,
+    courant: Annotated[float, typer.Option(help="Of moc, up to 1.")] = 1.0,
+    tolerance: Annotated[str | None, typer.Option(help="Pressure; the esdirk pairs then choose their steps.")] = None,
+    poles: Annotated[int, typer.Option(help="Of friction zielke.")] = 100,
+    cavitation: Annotated[bool, typer.Option("--cavitation", help="Vapour cavities; scheme ends or nodes.")] = False,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for line.png and line.csv.")] = Path(),
+    as_json: AS_JSON = False,
+) -> None:
+    """Simulate waves in one pipe by any scheme, beside the exact line: line.png, line.csv and what they say."""
+    from bridge.cli.report import print_table
+    from bridge.line_case import Request
+    from bridge.line_study import facts, study, write
+
+    request = Request(
+        length, diameter, oil, temperature, viscosity, density, speed, wall, young, left, right, velocity, pressure,
+        rise, closure, span, scheme, friction, cells, step, courant, tolerance, poles, cavitation,
+    )  # fmt: skip
+    found = study(request)
+    paths = write(found, output)
+    if as_json:
+        print_json({"files": [str(path) for path in paths], "facts": dict(facts(found))})
+        return
+    print_table(("", ""), facts(found))
+    print("\n".join(str(path) for path in paths))
