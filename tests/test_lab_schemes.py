@@ -141,8 +141,8 @@ def spectrum(places: Grid) -> Array:
     """Eigenvalues [a/L] between a shut and an open end."""
     system, _ = line_system(CASES["reflecting"][0], places, NONE)
     inner = np.flatnonzero(system.free)
-    dense = system.rate.toarray()[np.ix_(inner, inner)], system.mass.toarray()[np.ix_(inner, inner)]
-    return np.asarray(eigvals(*dense))
+    rate, mass = (np.asarray(matrix.toarray())[inner][:, inner] for matrix in (system.rate, system.mass))
+    return np.asarray(eigvals(rate, mass))
 
 
 @pytest.mark.parametrize(
