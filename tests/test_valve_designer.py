@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
 from bridge.scenario import ScenarioError
+from bridge.sweep.engine import HERE
 from bridge.valve.chart import rows as chart_rows
 from bridge.valve.chatter import truly_damped
 from tests.relief_valve import BAR, LITRE_PER_MINUTE, SHEET, SHEET_OIL, valve
@@ -128,10 +129,10 @@ def test_the_curve_cannot_tell_orifice_2_but_tells_the_pilot():
     assert share < 0.05  # of it lies in what is told
 
 
-def test_a_chart_is_the_same_by_rows():
+def test_a_chart_is_the_same_by_rows(tmp_path: Path):
     s = system(CONICAL, reference(CONICAL, PILOT).flow, 0.0, PILOT)
     flows, dampings = np.array([0.1, 0.4]), np.linspace(0.001, 0.02, 5)
-    by_rows, whole = chart_rows(s, flows, dampings, 1), chart(s, flows, dampings, shut=False)
+    by_rows, whole = chart_rows(s, flows, dampings, tmp_path / "part", HERE), chart(s, flows, dampings, shut=False)
     for one, other in zip(by_rows, whole, strict=True):
         assert one.tolist() == other.tolist()
 

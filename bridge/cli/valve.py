@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from bridge.cli.app import AS_JSON, CHANGES, print_json
+from bridge.cli.stability import SCHEDULER, WORKERS
 
 app = typer.Typer(help="Static curves, seats and chatter of relief valves: docs/valves.md.", no_args_is_help=True)
 OUTPUT = Annotated[Path, typer.Option("--output", "-o", help="Folder for the picture and the table.")]
@@ -88,15 +89,20 @@ def chart(
     flows: Annotated[str, typer.Option(help="Range of q.", metavar="LOW:HIGH")] = "0.01:0.5",
     dampings: Annotated[str, typer.Option(help="Range of k.", metavar="LOW:HIGH")] = "0.0001:0.02",
     cells: Annotated[int, typer.Option(min=2, max=2000, help="Runs a side.")] = 100,
-    workers: Annotated[int, typer.Option(min=0, help="Processes. [default: one a core]", show_default=False)] = 0,
+    workers: WORKERS = 0,
+    scheduler: SCHEDULER = None,
     scenario: SCENARIO = "step",
     changes: CHANGES = None,
     output: OUTPUT = Path(),
     as_json: AS_JSON = False,
 ) -> None:
-    """A chart of flow and damping by runs with impacts: calm, swinging freely, hitting the seat."""
+    """A chart of flow and damping by runs with impacts: calm, swinging freely, hitting the seat.
+
+    An interrupted chart goes on where it was (valve-chart-SEAT.part in the folder).
+    """
     import numpy as np
 
+    from bridge.sweep.engine import Crew
     from bridge.valve.chart import draw
     from bridge.valve.chatter import law_of
     from twin.chatter.build import pilot_of
@@ -107,7 +113,8 @@ def chart(
         x0 = _si(precompression, "m", "precompression")
         s = system(law, reference(law, pilot).flow, x0, pilot)
         q, k = (np.linspace(*_range(text, name), cells) for text, name in ((flows, "flows"), (dampings, "dampings")))
-        return draw(kind, s, q, k, workers)
+        output.mkdir(parents=True, exist_ok=True)
+        return draw(kind, s, q, k, output / f"valve-chart-{kind}.part", Crew(workers, scheduler))
 
     paths = _save(f"valve-chart-{kind}", _asked(answer), output)
     if as_json:

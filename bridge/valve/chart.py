@@ -1,44 +1,39 @@
 """A chart of flow and damping by runs with impacts: calm, swinging, hitting. A row is a task of its own, pure."""
 
-import multiprocessing
-import os
-from collections.abc import Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 
 from bridge.figures.canvas import Columns, Sheet, label, remark, sheet
 from bridge.figures.valve_impact import patches, patches_legend
+from bridge.sweep.engine import Crew, sweep
+from bridge.sweep.journal import Point, Result
 from twin.chatter.basin import chart
 from twin.chatter.equilibrium import onset
 from twin.chatter.system import System
 
 
-def row(s: System, flows: tuple[float, ...], damping: float) -> tuple[list[float], list[float]]:
+def row(point: Point, s: System, flows: tuple[float, ...]) -> Result:
     """Verdicts and last tops at one damping, from a push of 1 %."""
-    kind, top = chart(s, np.array(flows), np.array([damping]), shut=False)
-    return kind[0].tolist(), top[0].tolist()
+    kind, top = chart(s, np.array(flows), np.array([point["damping"]]), shut=False)
+    return {"kind": kind[0].tolist(), "top": top[0].tolist()}
 
 
-def rows(s: System, flows: np.ndarray, dampings: np.ndarray, workers: int) -> tuple[np.ndarray, np.ndarray]:
-    """All rows, (dampings, flows) each; workers: processes, 0 for one a core."""
-    task = partial(row, s, tuple(float(q) for q in flows))
-    found = list(_mapped(task, [float(k) for k in dampings], workers or os.cpu_count() or 1))
-    return np.array([kind for kind, _ in found]), np.array([top for _, top in found])
+def rows(s: System, flows: np.ndarray, dampings: np.ndarray, part: Path, crew: Crew) -> tuple[np.ndarray, np.ndarray]:
+    """All rows, (dampings, flows) each; `part` keeps those found until all are, and an interrupted chart goes on."""
+    places = tuple(float(q) for q in flows)
+    about = {"title": "chart of a valve", "system": [str(value) for value in s], "flows": places}
+    points = [{"damping": float(k)} for k in dampings]
+    found = sweep(partial(row, s=s, flows=places), points, about, part, crew)
+    return np.array([one["kind"] for one in found]), np.array([one["top"] for one in found])
 
 
-def _mapped(task, points: Iterable[float], workers: int) -> Iterator[tuple[list[float], list[float]]]:
-    if workers == 1:
-        yield from map(task, points)
-        return
-    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
-        yield from pool.map(task, points, chunksize=4)
-
-
-def draw(name: str, s: System, flows: np.ndarray, dampings: np.ndarray, workers: int) -> tuple[Columns, Sheet]:
+def draw(
+    name: str, s: System, flows: np.ndarray, dampings: np.ndarray, part: Path, crew: Crew
+) -> tuple[Columns, Sheet]:
     """The chart with k_crit by linear theory."""
-    kind, top = rows(s, flows, dampings, workers)
+    kind, top = rows(s, flows, dampings, part, crew)
     page, (axes,) = sheet(f"{name} seat, e = {s.precompression:.3g}, β = {s.beta:.5f}: what a push of 1 % ends in")
     patches(axes, flows, dampings, kind)
     patches_legend(axes)
