@@ -170,7 +170,10 @@ def test_the_whole_model_follows_the_manifold_the_closer_the_stiffer():
     """0.5 after a start off the manifold, u held: the distance is of first order in alpha."""
     away = []
     for alpha in (1e-3, 1e-4):
-        rates = lambda _t, y, a=alpha: full_rates(y, 0.6, K, GAMMA, a)  # noqa: E731
+
+        def rates(_t, y, a=alpha):
+            return full_rates(y, 0.6, K, GAMMA, a)
+
         y = solve_ivp(rates, (0.0, 0.5), [0.0, 0.2, 0.9, 0.3], "Radau", rtol=1e-9, atol=1e-12).y[:, -1]
         away.append(np.abs(y[2:] - np.array(critical_manifold(y[1], 0.6, GAMMA))).max())
     assert away[0] / away[1] == pytest.approx(10.0, rel=0.1)

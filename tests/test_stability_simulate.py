@@ -47,7 +47,10 @@ def by_scipy(z: np.ndarray, u: float, time: float) -> np.ndarray:
 def test_a_run_is_what_the_control_law_and_scipy_make_of_it(derivative, lag, delay, limit):
     """`controller.law` itself, commands at their instants, DOP853: 1e-8 of the supply pressure over twelve periods."""
     case = Case(4.0, 0.3, PLANT.k, PLANT.gamma, 1.7, delay, derivative, lag)
-    limited = lambda z, u, time: by_scipy(z, float(np.clip(u, -limit, limit)), time)  # noqa: E731
+
+    def limited(z, u, time):
+        return by_scipy(z, float(np.clip(u, -limit, limit)), time)
+
     states, given, _ = course(case, STATE_0, np.zeros(3), None, 12, limited)
     loop = controller(case.s, case.d, case.tau, delay, derivative, lag, limit)
     run = simulate(STATE_0, PLANT, loop, 12, tolerance=1e-12)
@@ -167,7 +170,10 @@ def test_a_wide_swing_with_a_stiff_valve_is_what_scipy_integrates():
 
     def by_lsoda(z: np.ndarray, u: float, time: float) -> np.ndarray:
         opening = float(np.clip(u, -1.0, 1.0))
-        rates = lambda _, y: field(y, opening, PLANT)  # noqa: E731
+
+        def rates(_time, y):
+            return field(y, opening, PLANT)
+
         return solve_ivp(rates, (0.0, time), z, "LSODA", rtol=1e-9, atol=1e-11).y[:, -1] if time > 0.0 else z
 
     case = Case(5.0, 0.0, PLANT.k, PLANT.gamma, 20.0, 0.0, "measured", None)

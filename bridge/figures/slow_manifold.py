@@ -35,7 +35,10 @@ def sheets(y2: Array) -> tuple[Array, Array]:
 def fall(speed: float, difference: float) -> tuple[Array, Array]:
     """y2 and y3 - y4 of the actuator held at u = 1, evenly along its way in the picture."""
     start = [0.0, speed, 0.5 + 0.5 * difference, 0.5 - 0.5 * difference]
-    rates = lambda _t, y: full_rates(y, 1.0, PLANT.k, PLANT.gamma, STIFF)  # noqa: E731
+
+    def rates(_t: float, y: Array) -> Array:
+        return full_rates(np.asarray(y, np.float64), 1.0, PLANT.k, PLANT.gamma, STIFF)
+
     y = solve_ivp(rates, (0.0, 1.5), start, "Radau", np.geomspace(1e-6, 1.5, 4000), rtol=1e-8, atol=1e-10).y
     across, up = y[1], y[2] - y[3]
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(across) / 0.3, np.diff(up)))])
@@ -67,7 +70,10 @@ def reduced(d: float, times: Array) -> Array:
     switch.terminal = True  # pyright: ignore[reportFunctionMemberAccess]
     while filled < PLACES:
         switch.direction = side  # pyright: ignore[reportFunctionMemberAccess]
-        rates = lambda _t, y, u=side: np.array(reduced_rates(y[1], u, PLANT.k, PLANT.gamma, PLANT.alpha))  # noqa: E731
+
+        def rates(_t: float, y: Array, u: float = side) -> Array:
+            return np.array(reduced_rates(float(y[1]), u, PLANT.k, PLANT.gamma, PLANT.alpha), float)
+
         piece = solve_ivp(rates, (time, times[-1]), y, events=switch, dense_output=True, rtol=1e-9, atol=1e-14)
         upto = int(np.searchsorted(times, piece.t[-1], side="right"))
         if upto > filled:

@@ -101,5 +101,7 @@ def _extremes(orbit: Orbit, i: int) -> tuple[Array, Array]:
 
 
 def _turning(y: Array, within: float, loop: Loop, column: int) -> float:
-    rate = lambda time: end_rates(_along(y, time, loop), loop)[column]  # noqa: E731
+    def rate(time: float) -> float:
+        return end_rates(_along(y, time, loop), loop)[column]
+
     return _along(y, float(brentq(rate, 0.0, within, xtol=1e-3 * within)), loop)[column]  # pyright: ignore
