@@ -12,11 +12,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from bridge.inprocess import record_in_process
-from bridge.link import free_endpoint
 from bridge.report.page import write_report
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.view.rerun import show
+from bridge.wire.link import free_endpoint
 from recordings.browser import browser
 
 FOLDER = Path(__file__).parents[1] / "docs" / "pictures"

@@ -8,8 +8,8 @@ from matplotlib import rc_context
 
 from bridge.figures.rig import draw_circuit
 from bridge.figures.transients import draw_load_change
-from bridge.inprocess import record_in_process
-from bridge.picture import draw
+from bridge.runs.in_process import record_in_process
+from bridge.runs.picture import draw
 from bridge.scenario import Scenario, load
 
 HERE = Path(__file__).parent

@@ -2,7 +2,7 @@
 
 from itertools import islice
 
-from bridge.clock import Overruns, ticks
+from bridge.machine.clock import Overruns, ticks
 
 
 class FakeClock:

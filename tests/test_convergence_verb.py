@@ -6,7 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from bridge.convergence import COMPARED, Row, _row, convergence
+from bridge.runs.convergence import (
+    COMPARED,
+    Row,
+    _row,
+    convergence,
+)
 from bridge.scenario import Scenario, load
 from tests.processes import hydrotwin
 

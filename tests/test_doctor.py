@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bridge import doctor, punctuality
-from bridge.clock import SPIN_NS, Tick
-from bridge.doctor import LOOKS, Finding, examine
-from bridge.link import LinkError
+from bridge.machine import doctor, punctuality
+from bridge.machine.clock import SPIN_NS, Tick
+from bridge.machine.doctor import LOOKS, Finding, examine
+from bridge.wire.link import LinkError
 
 ROOT = Path(__file__).parents[1]
 MS = 1_000_000

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from bridge.link import free_endpoint
-from bridge.messages import TOPICS, struct_format
 from bridge.recording.reader import Recording, read
+from bridge.wire.link import free_endpoint
+from bridge.wire.messages import TOPICS, struct_format
 from tests.processes import ROOT, hydrotwin, started
 
 EXAMPLES = ROOT / "examples"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from bridge.inprocess import record_in_process
 from bridge.recording.reader import read
+from bridge.runs.in_process import record_in_process
 from recordings.renew import GOLDEN, HERE
 
 # Another processor rounds differently; friction and the 12 bit card turn that into single counts.

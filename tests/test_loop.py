@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bridge.inprocess import record_in_process
 from bridge.recording.digest import digest
 from bridge.recording.reader import read
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from controller.sampling import NS
 from tests.processes import hydrotwin, run_recorded, started, summary, wait_for
@@ -78,7 +78,7 @@ def test_the_gain_lives_in_the_controller_process_alone(folder):
 
 
 def _endpoint() -> str:
-    from bridge.link import free_endpoint
+    from bridge.wire.link import free_endpoint
 
     return free_endpoint()
 

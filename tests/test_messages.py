@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bridge.messages import (
+from bridge.wire.messages import (
     LOOP_MESSAGES,
     TOPICS,
     Measurement,

@@ -12,9 +12,14 @@ from typing import Any
 import pytest
 import zenoh
 
-from bridge.link import Link, free_endpoint, names_addresses, open_session
-from bridge.messages import decode
 from bridge.recording.reader import Recording, read
+from bridge.wire.link import (
+    Link,
+    free_endpoint,
+    names_addresses,
+    open_session,
+)
+from bridge.wire.messages import decode
 from tests.processes import ROOT, hydrotwin, started, wait_for
 
 NETWORK = ROOT / "examples" / "network"

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from bridge.messages import ValveCommand, encode
-from bridge.plant_side import PlantSide
+from bridge.loop.plant import PlantSide
 from bridge.scenario import load
+from bridge.wire.messages import ValveCommand, encode
 from controller.sampling import NS
 from twin.block import OBSERVED, compiled, observed, run_block
 from twin.build import build

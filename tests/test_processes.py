@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import zenoh
 
-from bridge.bus import Bus
-from bridge.link import Link, free_endpoint
-from bridge.messages import ValveCommand, encode
 from bridge.recording.reader import read
+from bridge.wire.bus import Bus
+from bridge.wire.link import Link, free_endpoint
+from bridge.wire.messages import ValveCommand, encode
 from tests.processes import child, children, grown, hydrotwin, listening, started, wait_for, with_signal
 
 LOOSE = ("--set", "real_time.overruns=100000", "--set", "real_time.length=100")

@@ -5,9 +5,9 @@ import time
 import numpy as np
 import pytest
 
-from bridge.inprocess import exchange, sides
-from bridge.messages import decode, described, encode
+from bridge.runs.in_process import exchange, sides
 from bridge.scenario import load
+from bridge.wire.messages import decode, described, encode
 from tests.plant import circuit, pipes
 from twin.block import compiled, observed
 from twin.equilibrium import equilibrium

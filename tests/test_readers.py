@@ -11,8 +11,8 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from bridge.inprocess import record_in_process
 from bridge.recording.reader import Recording
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 
 CHECKED = {"measurement": "p2", "state": "position", "command": "spool", "pressure/p1": "fluid_pressure"}

@@ -15,19 +15,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bridge.bus import Bus
-from bridge.inprocess import record_in_process
-from bridge.link import Link, free_endpoint
-from bridge.messages import TOPICS, decode
-from bridge.recorder_process import RecorderProcess
+from bridge.processes.recorder.parts import Keeping
+from bridge.processes.recorder.process import RecorderProcess
+from bridge.processes.recorder.ring import Ring, Window
+from bridge.processes.recorder.run_file import Request
 from bridge.recording.info import describe
-from bridge.recording.parts import Keeping
 from bridge.recording.reader import Recording, read
 from bridge.recording.recover import recover
-from bridge.recording.ring import Ring, Window
-from bridge.recording.run_file import Request
 from bridge.recording.sink import Sink
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
+from bridge.wire.bus import Bus
+from bridge.wire.link import Link, free_endpoint
+from bridge.wire.messages import TOPICS, decode
 from tests.processes import child, children, grown, hydrotwin, started, wait_for, with_signal
 
 LOOSE = ("--set", "real_time.overruns=100000", "--set", "real_time.length=100")

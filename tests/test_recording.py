@@ -10,12 +10,12 @@ import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
-from bridge.inprocess import record_in_process
-from bridge.messages import TOPICS
+from bridge.processes.recorder.order import Order
 from bridge.recording.digest import digest
-from bridge.recording.order import Order
 from bridge.recording.reader import Recording, read
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import Scenario, ScenarioError, load
+from bridge.wire.messages import TOPICS
 
 
 @pytest.fixture(scope="module")

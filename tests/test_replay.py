@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bridge.bus import Bus, stamp_of
-from bridge.inprocess import record_in_process
-from bridge.link import Link, free_endpoint
-from bridge.messages import TOPICS
 from bridge.recording.digest import digest
 from bridge.recording.reader import Recording, read
 from bridge.replay.remote import ask
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
+from bridge.wire.bus import Bus, stamp_of
+from bridge.wire.link import Link, free_endpoint
+from bridge.wire.messages import TOPICS
 from tests.processes import ENVIRONMENT, ROOT, hydrotwin, started, wait_for
 
 
@@ -103,7 +103,7 @@ def test_a_query_pauses_steps_seeks_changes_speed_and_resumes(recording):
 
 
 def _status(bus: Bus) -> dict[str, Any] | None:
-    from bridge.failure import RunError
+    from bridge.errors import RunError
 
     try:
         return ask(bus, "status")
@@ -112,7 +112,7 @@ def _status(bus: Bus) -> dict[str, Any] | None:
 
 
 def _refused(bus: Bus, verb: str, value: str) -> str:
-    from bridge.failure import RunError
+    from bridge.errors import RunError
 
     with pytest.raises(RunError) as error:
         ask(bus, verb, value)

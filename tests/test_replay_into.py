@@ -10,9 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
-from bridge.inprocess import record_in_process
 from bridge.recording.reader import Recording, read
 from bridge.replay.through import Through, replay_through
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import ScenarioError, load
 from recordings.renew import GOLDEN, HERE
 from tests.processes import child, children, grown, hydrotwin, run_recorded, started, wait_for, with_signal

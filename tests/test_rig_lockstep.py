@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bridge.recording.reader import read
-from bridge.run import RunRequest, run_scenario
+from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import Scenario, load
 from bridge.stability.criterion import Swing
 from bridge.stability.plant import at_rest, plants

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from bridge.check import check_scenario
 from bridge.cli.verbs import app
-from bridge.inprocess import record_in_process
-from bridge.run import RunRequest, run_scenario
+from bridge.runs.check import check_scenario
+from bridge.runs.in_process import record_in_process
+from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import ScenarioError, load, names
 from bridge.stability.advice import advise, refuse_other_loops
 from bridge.stability.causes import with_causes

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from bridge.messages import ValveCommand
-from bridge.safety import Gate, Watchdog
+from bridge.loop.safety import Gate, Watchdog
+from bridge.wire.messages import ValveCommand
 from controller.sampling import NS, sampling
 
 RUN, OWNER, OTHER, MS = 7, 11, 12, 1_000_000

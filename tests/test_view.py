@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bridge.inprocess import record_in_process
-from bridge.picture import draw as picture
 from bridge.recording.reader import Recording, read
+from bridge.runs.in_process import record_in_process
+from bridge.runs.picture import draw as picture
 from bridge.scenario import ScenarioError, load
 from bridge.view.curves import CURVES, PICTURES, Drawn, samples, span
 from bridge.view.rerun import show
@@ -36,7 +36,7 @@ UNITS = {  # of what a picture shows, in SI
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short recording, made without middleware."""
-    from bridge.run import RunRequest, run_scenario
+    from bridge.runs.run import RunRequest, run_scenario
 
     path = tmp_path_factory.mktemp("view") / "short.mcap"
     run_scenario(load("step", ["duration=0.6 s"]), RunRequest("inprocess", 0.0, False, path, 10.0, False, None))

@@ -9,13 +9,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bridge.bus import STAMP
-from bridge.inprocess import exchange, manifest, sides
-from bridge.link import free_endpoint
-from bridge.messages import encode
 from bridge.recording.reader import Entry
+from bridge.runs.in_process import exchange, manifest, sides
 from bridge.scenario import load
 from bridge.view.batch import WATCHED, Inbox, run_of
+from bridge.wire.bus import STAMP
+from bridge.wire.link import free_endpoint
+from bridge.wire.messages import encode
 from tests.processes import hydrotwin, started, wait_for, with_signal
 from tests.test_view import column
 

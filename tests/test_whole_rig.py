@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from bridge.inprocess import record_in_process
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from controller.sampling import NS
 from tests.plant import BAR, Array

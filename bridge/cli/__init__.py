@@ -12,8 +12,8 @@ def main() -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     from bridge.cli.verbs import app
-    from bridge.failure import RunError, ScenarioError
-    from bridge.link import LinkError
+    from bridge.errors import RunError, ScenarioError
+    from bridge.wire.link import LinkError
 
     try:
         app()

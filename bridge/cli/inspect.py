@@ -35,7 +35,7 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
 def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
     """Run a scenario at its step, a half and a quarter of it: error and order of each signal."""
     from bridge.cli.report import print_table
-    from bridge.convergence import convergence as compare
+    from bridge.runs.convergence import convergence as compare
     from bridge.scenario import load
 
     loaded = load(scenario, changes)
@@ -71,7 +71,13 @@ def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap."
 def messages(as_json: AS_JSON = False) -> None:
     """Print every key, type, rate, `.msg` text and `struct` format."""
     from bridge.cli.report import print_table
-    from bridge.messages import TOPICS, definition, described, field_names, struct_format
+    from bridge.wire.messages import (
+        TOPICS,
+        definition,
+        described,
+        field_names,
+        struct_format,
+    )
 
     rows = [
         (
@@ -110,7 +116,7 @@ def figure(
     as_json: AS_JSON = False,
 ) -> None:
     """Draw a figure of the source from the twin: NAME.png and NAME.csv."""
-    from bridge.failure import ScenarioError
+    from bridge.errors import ScenarioError
     from bridge.figures import draw_figure
 
     try:
@@ -146,7 +152,7 @@ def figures(
 def doctor(as_json: AS_JSON = False) -> None:
     """Look at this machine: can it run the loop, and how punctually?"""
     from bridge.cli.report import print_table
-    from bridge.doctor import examine
+    from bridge.machine.doctor import examine
 
     findings = examine()
     if as_json:

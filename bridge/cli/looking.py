@@ -7,7 +7,7 @@ import typer
 
 from bridge.cli.app import AS_JSON, print_json
 from bridge.cli.processes import CONFIG, CONNECT
-from bridge.link import DEFAULT_ENDPOINT
+from bridge.wire.link import DEFAULT_ENDPOINT
 
 SHOWN = Annotated[
     Path | None, typer.Argument(help="A recording, .mcap; without one what runs now.", show_default=False)
@@ -41,8 +41,8 @@ def view(
 
         show(file, web, save, picture, when)
         return
-    from bridge.link import Link
     from bridge.view.live import LiveOptions, watch
+    from bridge.wire.link import Link
 
     options = LiveOptions(web, save, picture, when if at is not None else None)
     watch(Link(None, connect, zenoh_config, patience), rig, options)
@@ -66,7 +66,7 @@ def report(
 
 
 def _seconds(text: str) -> float:
-    from bridge.failure import ScenarioError
+    from bridge.errors import ScenarioError
     from bridge.units import quantity
 
     try:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, ProcessMode, print_json
-from bridge.link import DEFAULT_ENDPOINT
+from bridge.wire.link import DEFAULT_ENDPOINT
 
 if TYPE_CHECKING:
     from bridge.scenario import Scenario
@@ -24,7 +24,7 @@ SUPERVISED = Annotated[bool, typer.Option("--supervised", hidden=True)]
 
 def supervised_by_parent(yes: bool) -> None:
     if yes:
-        from bridge.clock import die_with_parent
+        from bridge.machine.clock import die_with_parent
 
         die_with_parent()
 
@@ -55,10 +55,10 @@ def plant(
     centred until a controller speaks; in lockstep it waits for each command.
     """
     supervised_by_parent(supervised)
-    from bridge.identity import fresh
-    from bridge.link import Link
-    from bridge.plant_process import PlantOptions, run_plant
+    from bridge.loop.identity import fresh
+    from bridge.processes.plant import PlantOptions, run_plant
     from bridge.scenario import load
+    from bridge.wire.link import Link
 
     link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, patience)
     awaited = tuple(partners or (["controller"] if mode == ProcessMode.lockstep else []))
@@ -75,7 +75,7 @@ def plant(
 
 def refuse_fast_daq(scenario: "Scenario", speed: float) -> None:
     """Real time goes to 5 kHz; faster acquisition is for lockstep and in process."""
-    from bridge.failure import ScenarioError
+    from bridge.errors import ScenarioError
 
     least = FASTEST_DAQ * speed
     if scenario.loop.daq_period < least * 0.999:
@@ -105,10 +105,10 @@ def controller(
     (spool, memory); memory is None at the first sample.
     """
     supervised_by_parent(supervised)
-    from bridge.controller_process import run_controller
-    from bridge.identity import fresh
-    from bridge.link import Link
+    from bridge.loop.identity import fresh
+    from bridge.processes.controller import run_controller
     from bridge.scenario import load
+    from bridge.wire.link import Link
 
     own = [f"controller.law={law}"] if law else []
     checked = load(scenario, [*(changes or []), *own])
@@ -121,7 +121,7 @@ def router(
     zenoh_config: CONFIG = None,
 ) -> None:
     """Route between machines until interrupted; plants and clients use --connect."""
-    from bridge.router import run_router
+    from bridge.processes.router import run_router
 
     run_router(listen, zenoh_config)
 
@@ -133,8 +133,8 @@ def reset(
     as_json: AS_JSON = False,
 ) -> None:
     """Bring a plant out of its safe state."""
-    from bridge.bus import Bus
-    from bridge.link import Link
+    from bridge.wire.bus import Bus
+    from bridge.wire.link import Link
 
     with Bus(Link(None, connect, zenoh_config, 2.0), rig, "operator", blocking=True) as bus:
         bus.session.put(f"{rig}/reset", b"\x00\x01\x00\x00\x00")

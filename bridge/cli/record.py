@@ -8,10 +8,10 @@ import typer
 
 from bridge.cli.app import AS_JSON, ProcessMode, print_json
 from bridge.cli.processes import CONFIG, CONNECT, MODE, SUPERVISED, supervised_by_parent
-from bridge.link import DEFAULT_ENDPOINT
+from bridge.wire.link import DEFAULT_ENDPOINT
 
 if TYPE_CHECKING:
-    from bridge.recording.run_file import Request
+    from bridge.processes.recorder.run_file import Request
 
 TRIGGERS = "late,refused,safe"
 TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
@@ -45,8 +45,8 @@ def record(
     With --ring nothing is written until something happens: an event, or a query to RIG/recorder/save.
     """
     supervised_by_parent(supervised)
-    from bridge.link import Link
-    from bridge.recorder_process import run_recorder
+    from bridge.processes.recorder.process import run_recorder
+    from bridge.wire.link import Link
 
     request = _request(topics, without, (split_size, split_time, fsync), (ring, after, triggers), meta)
     path = output or Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
@@ -65,11 +65,11 @@ def _request(
     kept: tuple[str | None, str, str],
     meta: list[str] | None,
 ) -> "Request":
-    from bridge.messages import TOPICS as ALL
+    from bridge.processes.recorder.parts import Keeping
+    from bridge.processes.recorder.ring import Window
+    from bridge.processes.recorder.run_file import Request
     from bridge.recording.choice import choose
-    from bridge.recording.parts import Keeping
-    from bridge.recording.ring import Window
-    from bridge.recording.run_file import Request
+    from bridge.wire.messages import TOPICS as ALL
 
     size, seconds, fsync = files
     ring, after, triggers = kept
@@ -90,7 +90,7 @@ def nanoseconds(option: str, text: str) -> int:
 
 
 def _quantity(option: str, text: str, unit: str) -> float:
-    from bridge.failure import ScenarioError
+    from bridge.errors import ScenarioError
     from bridge.units import quantity
 
     try:
@@ -103,7 +103,7 @@ def _quantity(option: str, text: str, unit: str) -> float:
 
 
 def _pair(text: str) -> tuple[str, str]:
-    from bridge.failure import ScenarioError
+    from bridge.errors import ScenarioError
 
     key, sign, value = text.partition("=")
     if not sign or not key:

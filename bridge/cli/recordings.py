@@ -61,11 +61,11 @@ def export(
     as_json: AS_JSON = False,
 ) -> None:
     """Write a recording for other programs, units in the headers."""
-    from bridge.failure import ScenarioError
-    from bridge.messages import TOPICS as OURS
+    from bridge.errors import ScenarioError
     from bridge.recording.choice import choose
     from bridge.recording.export import export as write
     from bridge.recording.reader import read
+    from bridge.wire.messages import TOPICS as OURS
 
     forms = [name for name, asked in (("csv", csv), ("parquet", parquet), ("mat", mat)) if asked]
     if len(forms) != 1:
@@ -101,7 +101,7 @@ def compare(
 
 def tolerances(texts: list[str] | None) -> dict[str, str]:
     """Signal -> what may be. Raises ScenarioError for what is no such pair."""
-    from bridge.failure import ScenarioError
+    from bridge.errors import ScenarioError
 
     pairs = [text.partition("=") for text in texts or []]
     for name, sign, value in pairs:

@@ -10,7 +10,7 @@ from bridge.cli.app import AS_JSON, print_json
 from bridge.cli.processes import CONFIG
 from bridge.cli.record import TOPICS, WITHOUT, nanoseconds
 from bridge.cli.recordings import FILE, TOLERANCE, print_differences, tolerances
-from bridge.link import DEFAULT_ENDPOINT
+from bridge.wire.link import DEFAULT_ENDPOINT
 
 
 class Into(StrEnum):
@@ -58,11 +58,11 @@ def replay(
     if into is not None:
         _replay_into(file, into.value, (changes, tolerance, alone, listen, output), as_json)
         return
-    from bridge.failure import ScenarioError
-    from bridge.link import Link
+    from bridge.errors import ScenarioError
     from bridge.replay.player import speed_of
     from bridge.replay.republish import Playing
     from bridge.replay.republish import replay as play
+    from bridge.wire.link import Link
 
     try:
         rate = speed_of(speed)
@@ -107,9 +107,9 @@ def remote(
     as_json: AS_JSON = False,
 ) -> None:
     """Control a replay that runs, from anywhere: prints where it stands then."""
-    from bridge.bus import Bus
-    from bridge.link import Link
     from bridge.replay.remote import ask
+    from bridge.wire.bus import Bus
+    from bridge.wire.link import Link
 
     with Bus(Link(None, connect, zenoh_config, 2.0), rig, "operator", blocking=True) as bus:
         status = ask(bus, verb, value)

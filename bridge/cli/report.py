@@ -8,8 +8,8 @@ from rich.console import Console
 from rich.table import Table
 
 from bridge.bands import METRICS, value_with_unit
-from bridge.check import CheckResult
-from bridge.run import Outcome
+from bridge.runs.check import CheckResult
+from bridge.runs.run import Outcome
 
 UNFOLDED = 200  # columns, where nobody's window is to be kept to
 

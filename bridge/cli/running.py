@@ -42,7 +42,7 @@ def run(
     """
     from bridge.cli.processes import refuse_fast_daq
     from bridge.cli.report import print_summary
-    from bridge.run import RunRequest, run_scenario
+    from bridge.runs.run import RunRequest, run_scenario
     from bridge.scenario import load
 
     checked = load(scenario, _changes(changes, duration, seed))
@@ -79,8 +79,8 @@ def check(
     as_json: AS_JSON = False,
 ) -> None:
     """Run scenarios headless and judge the bands they state; for CI."""
-    from bridge.check import check_scenario, junit_xml
     from bridge.cli.report import print_checks
+    from bridge.runs.check import check_scenario, junit_xml
     from bridge.scenario import load
 
     loaded = [load(name, changes) for name in scenarios]

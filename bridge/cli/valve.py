@@ -151,7 +151,7 @@ def _range(text: str, name: str) -> tuple[float, float]:
 
 def _asked(answer: Any) -> Any:
     """The answer; a user's mistake as one line."""
-    from bridge.failure import ScenarioError
+    from bridge.errors import ScenarioError
 
     try:
         return answer()

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.figures.canvas import Columns
-from bridge.inprocess import exchange, sides
 from bridge.recording.columns import vapour
+from bridge.runs.in_process import exchange, sides
 from bridge.scenario import Scenario, load
 from twin.block import OBSERVED
 from twin.build import build

@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Collection, Sequence
 from fnmatch import fnmatchcase
 
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
 
 
 def choose(

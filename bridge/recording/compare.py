@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
 from bridge.recording.reader import Recording
 from bridge.recording.signals import COMPARED, Signal, signals_of
 from bridge.units import UNITS, quantity

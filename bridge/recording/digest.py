@@ -4,8 +4,8 @@ import hashlib
 import struct
 from pathlib import Path
 
-from bridge.messages import TOPICS
 from bridge.recording.reader import read
+from bridge.wire.messages import TOPICS
 
 
 def digest(path: Path) -> dict[str, str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
 from bridge.recording.reader import Recording
 from bridge.recording.tables import Column, table
 

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridge.failure import ScenarioError
-from bridge.messages import decode
+from bridge.errors import ScenarioError
+from bridge.processes.recorder.run_file import SOURCED
 from bridge.recording.reader import Recording
-from bridge.recording.run_file import SOURCED
+from bridge.recording.summary import verdict
 from bridge.recording.tally import Tally
-from bridge.summary import verdict
+from bridge.wire.messages import decode
 from controller.sampling import NS
 
 PAUSE = 1.5  # periods without a message are a gap

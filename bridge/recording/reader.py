@@ -19,8 +19,13 @@ from mcap.records import Channel, Chunk, Metadata, Schema
 from mcap.stream_reader import StreamReader
 from numpy.typing import NDArray
 
-from bridge.messages import STORE, TOPICS, field_names, struct_format
 from bridge.scenario import Scenario, ScenarioError, check
+from bridge.wire.messages import (
+    STORE,
+    TOPICS,
+    field_names,
+    struct_format,
+)
 
 RECORD = struct.Struct("<BQ")  # opcode, length
 MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time

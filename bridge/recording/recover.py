@@ -10,7 +10,7 @@ from mcap.records import Attachment, Channel, Chunk, Header, Message, Metadata, 
 from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
 from bridge.recording.reader import decompressed
 
 CHUNK = 1024 * 1024  # bytes

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.bands import SIGNALS
-from bridge.messages import TOPICS, described, struct_format
 from bridge.recording.reader import Recording
+from bridge.wire.messages import TOPICS, described, struct_format
 from controller.sampling import NS
 
 COMPARED = ("measurement", "state", "command", "reference")

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridge.messages import TOPICS, struct_format
 from bridge.recording.reader import Recording
 from bridge.recording.signals import units
+from bridge.wire.messages import TOPICS, struct_format
 from controller.sampling import NS
 
 

@@ -14,8 +14,8 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Metadata
 from mcap.writer import CompressionType, Writer
 
-from bridge.messages import TOPICS, definition, type_hash
 from bridge.recording.sink import Sink
+from bridge.wire.messages import TOPICS, definition, type_hash
 from controller.sampling import NS
 
 CHUNK = 8 * 1024 * 1024  # bytes; flushing by time closes them long before

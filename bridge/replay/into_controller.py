@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from bridge.bus import Bus
-from bridge.controller_side import ControllerSide
-from bridge.failure import RunError
-from bridge.messages import Outgoing, decode
+from bridge.errors import RunError
+from bridge.loop.controller import ControllerSide
+from bridge.processes.supervisor import Child
 from bridge.recording.reader import Entry, Recording
 from bridge.scenario import Scenario, ScenarioError
-from bridge.supervisor import Child
+from bridge.wire.bus import Bus
+from bridge.wire.messages import Outgoing, decode
 from controller.sampling import Sampling, is_sample
 
 PATIENCE = 10.0  # seconds for an answer

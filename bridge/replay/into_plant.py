@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from bridge.messages import Outgoing
-from bridge.plant_side import PlantSide
+from bridge.loop.plant import PlantSide
 from bridge.recording.reader import Recording
 from bridge.replay.schedule import schedule
 from bridge.scenario import Scenario, ScenarioError
+from bridge.wire.messages import Outgoing
 
 
 def through_plant(recording: Recording, scenario: Scenario) -> Iterator[list[Outgoing]]:

@@ -4,9 +4,9 @@ import time
 from collections import Counter
 from collections.abc import Iterable
 
-from bridge.bus import Bus
-from bridge.failure import ScenarioError
-from bridge.messages import TOPICS
+from bridge.errors import ScenarioError
+from bridge.wire.bus import Bus
+from bridge.wire.messages import TOPICS
 
 LISTEN = 0.4  # seconds
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, NamedTuple
 
-from bridge.clock import SPIN_NS
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
+from bridge.machine.clock import SPIN_NS
 from bridge.replay.timeline import Timeline
 from bridge.units import quantity
 from controller.sampling import NS

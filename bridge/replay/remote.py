@@ -6,9 +6,9 @@ from typing import Any
 
 import zenoh
 
-from bridge.bus import Bus
-from bridge.failure import RunError
+from bridge.errors import RunError
 from bridge.replay.player import Player
+from bridge.wire.bus import Bus
 
 PATIENCE = 5.0  # seconds
 

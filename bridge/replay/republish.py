@@ -9,10 +9,8 @@ from typing import Any, NamedTuple
 
 import zenoh
 
-from bridge.bus import STAMP, Bus
-from bridge.clock import Stop, prepare
-from bridge.failure import RunError, ScenarioError
-from bridge.link import Link
+from bridge.errors import RunError, ScenarioError
+from bridge.machine.clock import Stop, prepare
 from bridge.recording.choice import choose
 from bridge.recording.reader import Entry, Recording, read
 from bridge.replay.keyboard import keyboard
@@ -20,6 +18,8 @@ from bridge.replay.keys import live_publishers, remapped
 from bridge.replay.player import Player
 from bridge.replay.remote import answer_queries
 from bridge.replay.timeline import Timeline
+from bridge.wire.bus import STAMP, Bus
+from bridge.wire.link import Link
 
 
 class Playing(NamedTuple):

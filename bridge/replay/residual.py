@@ -4,9 +4,9 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.messages import Outgoing, Residual
 from bridge.recording.compare import Difference
 from bridge.recording.reader import Recording
+from bridge.wire.messages import Outgoing, Residual
 
 MEASURED = ("position", "velocity", "p1", "p2", "p3")
 EVENTS = "event"

@@ -4,19 +4,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.bus import Bus
-from bridge.controller_side import ControllerSide
-from bridge.link import Link, free_endpoint
-from bridge.messages import Outgoing, encode
+from bridge.loop.controller import ControllerSide
 from bridge.recording.compare import compare
 from bridge.recording.reader import Entry, Recording, read
 from bridge.recording.reader import recording as in_memory
+from bridge.recording.summary import NEEDED, summarise
 from bridge.recording.writer import RecordingWriter
 from bridge.replay.into_controller import FedController, heard, only, owner, through_side
 from bridge.replay.into_plant import through_plant
 from bridge.replay.residual import Residuals, Verdict, events_apart
 from bridge.scenario import Scenario, ScenarioError, changed
-from bridge.summary import NEEDED, summarise
+from bridge.wire.bus import Bus
+from bridge.wire.link import Link, free_endpoint
+from bridge.wire.messages import Outgoing, encode
 
 COMPARED = {"plant": ("measurement", "state"), "controller": ("command", "reference")}
 

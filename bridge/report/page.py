@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.inline import svg, text
 from bridge.report.maps import draw_maps, draw_timing

@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.check import Judgement, judge_run
 from bridge.recording.columns import reference_at
+from bridge.recording.frames import profiles
 from bridge.recording.reader import Recording, read
-from bridge.run import Outcome
+from bridge.recording.summary import summarise, verdict
+from bridge.runs.check import Judgement, judge_run
+from bridge.runs.run import Outcome
 from bridge.scenario import Scenario, ScenarioError
-from bridge.summary import summarise, verdict
-from bridge.view.frames import profiles
 from controller.sampling import NS
 
 

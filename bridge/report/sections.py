@@ -3,11 +3,11 @@
 from itertools import groupby
 
 from bridge.describe import values_of
+from bridge.recording.words import sentence
 from bridge.report.charts import RUNS
 from bridge.report.difference import metric_rows, parameter_rows, scenario_rows, signal_differences
 from bridge.report.inline import table, text
 from bridge.report.run import Run
-from bridge.view.words import sentence
 
 MOST_EVENTS = 200  # in the table; the rest are counted
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
 from bridge.scenario import references
 from bridge.scenario.model import Scenario
 

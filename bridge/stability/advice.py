@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from bridge.controller_side import gains
+from bridge.loop.controller import gains
 from bridge.scenario import Scenario, ScenarioError
 from bridge.stability.plant import RigPlant, plants
 from bridge.stability.sampling import Timing, margins_of, named, suggested, timing_of

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.controller_side import gains
+from bridge.loop.controller import gains
 from bridge.scenario import Scenario
 from bridge.stability.advice import held, plants_of
 from bridge.stability.sampling import timing_of

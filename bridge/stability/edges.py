@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bridge.controller_side import gains
+from bridge.loop.controller import gains
 from bridge.scenario import Scenario, changed
 from bridge.stability.causes import CAUSES, DEAD_BAND, with_causes
 from bridge.stability.plant import RigPlant, at_rest, plants

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.controller_side import gains
+from bridge.loop.controller import gains
 from bridge.scenario import Scenario, ScenarioError
 from bridge.stability.advice import WORDS, plants_of, verdict
 from bridge.stability.sampling import edge_of, loop_of, named, timing_of

@@ -7,7 +7,7 @@ s/m, times s, frequencies Hz.
 import math
 from typing import NamedTuple
 
-from bridge.controller_side import gains
+from bridge.loop.controller import gains
 from bridge.scenario import Scenario
 from controller.stability import Margins, Onset, Plant, SampledLoop, loop_onset, margins, sampled_loop, suggested_gain
 

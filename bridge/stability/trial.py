@@ -1,6 +1,6 @@
 """One run of the twin under its sampled controller, without messages: what sweeps are made of.
 
-The same hold, card and control law as in `bridge.plant_side` and `bridge.controller_side`, so the piston moves as in
+The same hold, card and control law as in `bridge.loop.plant` and `bridge.loop.controller`, so the piston moves as in
 any other mode, bit for bit; but the plant is asked for no more than the sampling instants and a few between them.
 """
 
@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.controller_side import ControllerSide
-from bridge.plant_side import SAFE, card_of
+from bridge.loop.controller import ControllerSide
+from bridge.loop.plant import SAFE, card_of
 from bridge.scenario import Scenario
 from controller.hold import Hold
 from controller.law import Sample

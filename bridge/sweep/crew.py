@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 
-from bridge.failure import RunError
+from bridge.errors import RunError
 from bridge.sweep.journal import Point, Result
 
 Task = Callable[[Point], Result]  # importable by name, pure

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from bridge.host import versions
+from bridge.machine.host import versions
 from bridge.sweep.crew import Task, chosen, cores
 from bridge.sweep.journal import Journal, Point, Result, key_of
 from twin.kernel import cache_directory

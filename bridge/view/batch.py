@@ -9,9 +9,9 @@ from typing import Any
 
 import zenoh
 
-from bridge.bus import Bus, stamp_of
-from bridge.messages import TOPICS, decode, flat_size
 from bridge.recording.reader import Entry
+from bridge.wire.bus import Bus, stamp_of
+from bridge.wire.messages import TOPICS, decode, flat_size
 
 WATCHED = ("lines", "state", "reference", "event", "timing")  # not the loop's own: they go out at once, at a price
 MOST = 10_000  # messages of a topic that wait, some 10 s at 1 kHz

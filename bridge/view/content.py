@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
+from bridge.recording.frames import Frames, frames
 from bridge.recording.reader import Recording
+from bridge.recording.words import LINE_ENDS, run_in_words
 from bridge.scenario import Scenario, ScenarioError
 from bridge.view import length_time
 from bridge.view.curves import CURVES, Curve, draw, span
-from bridge.view.frames import Frames, frames
 from bridge.view.layout import EVENTS, RUN, layout
 from bridge.view.motion import move
 from bridge.view.scene import stand
 from bridge.view.stage import Stage, stage
 from bridge.view.timeline import time_column
-from bridge.view.words import LINE_ENDS, run_in_words
 
 APPLICATION = "hydrotwin"
 GRAVE = ("late", "refused", "safe")  # kinds of events that a run should not have

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from bridge.recording.frames import Frames, frames
 from bridge.recording.reader import Entry, Recording, recording
+from bridge.recording.words import LINE_ENDS
 from bridge.view import length_time
 from bridge.view.batch import WATCHED
 from bridge.view.content import begin, scene_of, send_curve, send_events
 from bridge.view.curves import CURVES, LIVE, samples
-from bridge.view.frames import Frames, frames
 from bridge.view.layout import layout
 from bridge.view.motion import move
 from bridge.view.scene import stand
-from bridge.view.words import LINE_ENDS
 from controller.sampling import NS
 
 SPAN = 10.0  # [s], of the maps and curves

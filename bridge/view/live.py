@@ -8,16 +8,16 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.bus import Bus
-from bridge.clock import Stop
-from bridge.failure import RunError, ScenarioError
-from bridge.link import Link
+from bridge.errors import RunError, ScenarioError
+from bridge.machine.clock import Stop
 from bridge.recording.reader import Entry
 from bridge.view.batch import inbox, run_of
 from bridge.view.content import APPLICATION
 from bridge.view.drawing import Drawing
 from bridge.view.program import Program, connected, require_rerun, server, window
 from bridge.view.screenshot import check_target, screenshot
+from bridge.wire.bus import Bus
+from bridge.wire.link import Link
 
 PERIOD = 0.05  # [s] from batch to batch
 LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then it cannot leave, nor in lockstep go on

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
 
-from bridge.failure import ScenarioError
-from bridge.link import free_endpoint
+from bridge.errors import ScenarioError
+from bridge.wire.link import free_endpoint
 
 START_PATIENCE = 15.0  # [s] for a server to answer
 LOOPBACK = "127.0.0.1"

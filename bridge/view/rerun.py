@@ -3,7 +3,7 @@
 import signal
 from pathlib import Path
 
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
 from bridge.recording.reader import Recording, read
 from bridge.view.content import APPLICATION, send, write
 from bridge.view.program import Program, connected, require_rerun, server, window

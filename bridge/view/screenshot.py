@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from bridge.failure import ScenarioError
+from bridge.errors import ScenarioError
 from bridge.view.program import Program, headless
 from bridge.view.timeline import TIMELINE
 

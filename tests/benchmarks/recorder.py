@@ -6,13 +6,13 @@ from pathlib import Path
 
 from mcap.writer import CompressionType, Writer
 
-from bridge.inprocess import exchange, sides
-from bridge.messages import TOPICS, encode
-from bridge.recording.order import Order
+from bridge.processes.recorder.order import Order
 from bridge.recording.reader import read
 from bridge.recording.writer import RecordingWriter
-from bridge.run import RunRequest, run_scenario
+from bridge.runs.in_process import exchange, sides
+from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import load
+from bridge.wire.messages import TOPICS, encode
 from tests.benchmarks.plant import Row
 
 

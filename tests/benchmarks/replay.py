@@ -11,10 +11,10 @@ import numpy as np
 import zenoh
 from mcap.reader import make_reader
 
-from bridge.bus import Bus, stamp_of
-from bridge.inprocess import record_in_process
-from bridge.link import Link, free_endpoint, open_session
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
+from bridge.wire.bus import Bus, stamp_of
+from bridge.wire.link import Link, free_endpoint, open_session
 from tests.benchmarks.plant import Row
 
 SECONDS = 10

@@ -8,8 +8,8 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from bridge.bus import Bus
-from bridge.link import Link, LinkError, free_endpoint
+from bridge.wire.bus import Bus
+from bridge.wire.link import Link, LinkError, free_endpoint
 from tests.benchmarks.plant import Row
 
 

@@ -12,10 +12,10 @@ import numpy as np
 import zenoh
 from numpy.typing import NDArray
 
-from bridge.clock import prepare, ticks
-from bridge.link import free_endpoint
-from bridge.run import RunRequest, run_scenario
+from bridge.machine.clock import prepare, ticks
+from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import load
+from bridge.wire.link import free_endpoint
 from tests.benchmarks.plant import Row
 
 SECONDS = 20

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from bridge.link import free_endpoint
-from bridge.run import RunRequest, run_scenario
+from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import load
+from bridge.wire.link import free_endpoint
 from tests.benchmarks.plant import Row
 
 TURNS = 4

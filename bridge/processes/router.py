@@ -3,8 +3,8 @@
 import time
 from pathlib import Path
 
-from bridge.clock import Stop
-from bridge.link import Link, names_addresses, open_session
+from bridge.machine.clock import Stop
+from bridge.wire.link import Link, names_addresses, open_session
 
 
 def run_router(listen: str, config_file: Path | None) -> None:

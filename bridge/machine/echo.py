@@ -8,7 +8,12 @@ from typing import Any
 
 import zenoh
 
-from bridge.link import Link, LinkError, free_endpoint, open_session
+from bridge.wire.link import (
+    Link,
+    LinkError,
+    free_endpoint,
+    open_session,
+)
 
 PING, PONG = "hydrotwin/ping", "hydrotwin/pong"
 PATIENCE = 5.0  # [s] for the other process to appear
@@ -19,7 +24,7 @@ def round_trips(count: int, size: int = 64) -> list[int]:
     """Times [ns] of so many trips, one after another, over loopback. Raises LinkError when messages do not come."""
     endpoint = free_endpoint()
     with open_session(Link(endpoint, None, None, PATIENCE)) as session:
-        command = [sys.executable, "-m", "bridge.echo", endpoint]
+        command = [sys.executable, "-m", "bridge.machine.echo", endpoint]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as other:
             try:
                 return _trips(session, bytes(size), count)

@@ -11,10 +11,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from bridge.clock import FIFO_PRIORITY
-from bridge.host import cpu, versions
-from bridge.link import DEFAULT_ENDPOINT
-from bridge.punctuality import Verdict, loopback, pacing, sleeping
+from bridge.machine.clock import FIFO_PRIORITY
+from bridge.machine.host import cpu, versions
+from bridge.machine.punctuality import (
+    Verdict,
+    loopback,
+    pacing,
+    sleeping,
+)
+from bridge.wire.link import DEFAULT_ENDPOINT
 from twin.kernel import cache_directory
 
 OPTIONAL = {"rerun-sdk", "hydrotwin"}  # our own name is missing when we run from the sources

@@ -4,13 +4,13 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from bridge.bus import Bus, Receiver
-from bridge.clock import Stop, prepare
-from bridge.controller_side import ControllerSide
-from bridge.failure import RunError
-from bridge.link import Link
-from bridge.messages import decode
+from bridge.errors import RunError
+from bridge.loop.controller import ControllerSide
+from bridge.machine.clock import Stop, prepare
 from bridge.scenario import Scenario
+from bridge.wire.bus import Bus, Receiver
+from bridge.wire.link import Link
+from bridge.wire.messages import decode
 
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 

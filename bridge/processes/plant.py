@@ -7,14 +7,19 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from bridge.bus import Bus, claimed_type
-from bridge.clock import Overruns, Stop, prepare, ticks
-from bridge.failure import RunError
-from bridge.host import host, versions
-from bridge.link import Link
-from bridge.messages import LoopTiming, Outgoing
-from bridge.plant_side import PlantSide
+from bridge.errors import RunError
+from bridge.loop.plant import PlantSide
+from bridge.machine.clock import (
+    Overruns,
+    Stop,
+    prepare,
+    ticks,
+)
+from bridge.machine.host import host, versions
 from bridge.scenario import Scenario
+from bridge.wire.bus import Bus, claimed_type
+from bridge.wire.link import Link
+from bridge.wire.messages import LoopTiming, Outgoing
 from controller.sampling import NS, is_sample
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time

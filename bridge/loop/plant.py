@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from bridge.line_profiles import LineProfiles
-from bridge.messages import (
+from bridge.loop.line_profiles import LineProfiles
+from bridge.loop.safety import Gate, Refusal, Watchdog
+from bridge.scenario import Scenario
+from bridge.wire.messages import (
     TOPICS,
     Event,
     FluidPressure,
@@ -21,8 +23,6 @@ from bridge.messages import (
     Time,
     decode,
 )
-from bridge.safety import Gate, Refusal, Watchdog
-from bridge.scenario import Scenario
 from controller.hold import Hold
 from controller.sampling import NS, last_due, to_ns
 from twin.block import OBSERVED, compiled, run_block

@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.clock import Stop
 from bridge.describe import warnings
-from bridge.inprocess import record_in_process
-from bridge.progress import Progress
+from bridge.machine.clock import Stop
 from bridge.recording.reader import Recording, read
+from bridge.recording.summary import NEEDED, summarise, verdict
+from bridge.runs.in_process import record_in_process
+from bridge.runs.progress import Progress
 from bridge.scenario import Scenario
 from bridge.stability.operating import operating_point
-from bridge.summary import NEEDED, summarise, verdict
 
 
 class RunRequest(NamedTuple):
@@ -56,7 +56,7 @@ def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, lis
     with Progress(scenario) as progress:
         if request.mode == "inprocess":
             return record_in_process(scenario, request.recording, progress.tick, stop), [], []
-        from bridge.supervisor import RunOptions, Supervisor
+        from bridge.processes.supervisor import RunOptions, Supervisor
 
         options = RunOptions(
             request.mode,
@@ -73,7 +73,7 @@ def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, lis
 
 
 def _picture(scenario: Scenario, recording: Recording) -> Path | None:
-    from bridge.picture import draw
+    from bridge.runs.picture import draw
 
     if recording.counts.get("state", 0) < 2:
         return None

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from bridge.messages import LineProfile, Outgoing
+from bridge.wire.messages import LineProfile, Outgoing
 from twin.block import Compiled
 from twin.circuit import LINES
 from twin.profile import HOLLOWS, PLACES, XI, along_lines

@@ -11,12 +11,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.bus import Bus
-from bridge.clock import NOTE, Stop
-from bridge.identity import derived
-from bridge.link import Link, LinkError, free_endpoint
-from bridge.messages import decode
+from bridge.loop.identity import derived
+from bridge.machine.clock import NOTE, Stop
 from bridge.scenario import Scenario
+from bridge.wire.bus import Bus
+from bridge.wire.link import Link, LinkError, free_endpoint
+from bridge.wire.messages import decode
 
 SILENCE = 5.0  # seconds without a word from the plant after which it counts as gone
 FAREWELL = 8.0  # seconds that processes get to finish once they should

@@ -10,12 +10,17 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from bridge.bus import Bus, stamp_of
-from bridge.clock import NOTE, Stop
-from bridge.failure import RunError
-from bridge.link import Link
-from bridge.messages import TOPICS
-from bridge.recording.run_file import ORDERING, Arrival, Request, RunFile
+from bridge.errors import RunError
+from bridge.machine.clock import NOTE, Stop
+from bridge.processes.recorder.run_file import (
+    ORDERING,
+    Arrival,
+    Request,
+    RunFile,
+)
+from bridge.wire.bus import Bus, stamp_of
+from bridge.wire.link import Link
+from bridge.wire.messages import TOPICS
 
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
 YIELDING = 5  # niceness: the loop's own processes come first

@@ -5,15 +5,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from bridge.controller_side import ControllerSide
-from bridge.host import host, versions
-from bridge.identity import derived
-from bridge.messages import Outgoing, encode
-from bridge.plant_side import PlantSide
+from bridge.loop.controller import ControllerSide
+from bridge.loop.identity import derived
+from bridge.loop.plant import PlantSide
+from bridge.machine.host import host, versions
 from bridge.recording.reader import Entry, Recording, recording
+from bridge.recording.summary import summarise
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario
-from bridge.summary import summarise
+from bridge.wire.messages import Outgoing, encode
 
 
 def exchange(

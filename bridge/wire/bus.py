@@ -14,8 +14,15 @@ from typing import Any
 import numpy as np
 import zenoh
 
-from bridge.link import Link, open_session
-from bridge.messages import TOPICS, Outgoing, Status, Topic, encode, encoding
+from bridge.wire.link import Link, open_session
+from bridge.wire.messages import (
+    TOPICS,
+    Outgoing,
+    Status,
+    Topic,
+    encode,
+    encoding,
+)
 
 STAMP = struct.Struct("<qQ")  # attachment: log time, sequence
 Receiver = Callable[[Any], None]  # takes a Zenoh sample

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from bridge.bands import parse_band, signal_with_unit, value_with_unit
 from bridge.recording.reader import read
-from bridge.run import Outcome, RunRequest, run_scenario
+from bridge.runs.run import Outcome, RunRequest, run_scenario
 from bridge.scenario import Scenario
 from controller.metrics import Band, Metrics, judge
 from controller.sampling import NS

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.bands import SHOWN, SIGNALS
-from bridge.inprocess import record_in_process
 from bridge.recording.reader import read
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import Scenario
 from twin.block import OBSERVED
 

@@ -9,15 +9,15 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.messages import TOPICS, decode
-from bridge.recording.order import Order
-from bridge.recording.parts import Keeping, Parts
+from bridge.processes.recorder.order import Order
+from bridge.processes.recorder.parts import Keeping, Parts
+from bridge.processes.recorder.ring import Ring, Window
 from bridge.recording.reader import Recording, read
-from bridge.recording.ring import Ring, Window
+from bridge.recording.summary import NEEDED, summarise
 from bridge.recording.tally import Tally
 from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
-from bridge.summary import NEEDED, summarise
+from bridge.wire.messages import TOPICS, decode
 from controller.sampling import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]

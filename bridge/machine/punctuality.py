@@ -4,9 +4,9 @@ from itertools import islice
 
 import numpy as np
 
-from bridge.clock import SPIN_NS, ticks
-from bridge.echo import round_trips
-from bridge.link import LinkError
+from bridge.machine.clock import SPIN_NS, ticks
+from bridge.machine.echo import round_trips
+from bridge.wire.link import LinkError
 
 PERIOD_NS = 1_000_000  # the loop's usual DAQ period
 TICKS = 1000

@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from bridge.messages import Outgoing, Reference, ValveCommand
 from bridge.scenario import Scenario, ScenarioError
 from bridge.units import split
+from bridge.wire.messages import Outgoing, Reference, ValveCommand
 from controller.law import LAWS, Gains, Law, Sample, per_metre
 from controller.reference import Target, evaluate
 from controller.sampling import NS, is_sample
