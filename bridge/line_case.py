@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.units import quantity
+from bridge.scenario.units import quantity
 from twin.lines.lab.pipe import PRESSURE, VELOCITY, Case, End, Pipe, closed, elastic, ramp, reservoir
 from twin.oil import fluid_modulus, kinematic_viscosity
 from twin.rig import values

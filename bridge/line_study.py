@@ -6,7 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Columns, Sheet, label, remark, stack
+from bridge.drawing.canvas import (
+    Array,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    stack,
+)
 from bridge.line_case import Request, amount, case_of
 from bridge.scenario import ScenarioError
 from twin.lines.lab.exact import exact_history, kind_of

@@ -6,8 +6,14 @@ import re
 
 import pytest
 
-from bridge.describe import PICTURE, facts, step_rows, values_of, warnings
 from bridge.scenario import load, names
+from bridge.scenario.describe import (
+    PICTURE,
+    facts,
+    step_rows,
+    values_of,
+    warnings,
+)
 from tests.processes import hydrotwin
 from twin.rig import RIG
 

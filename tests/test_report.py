@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bridge.bands import METRICS, value_with_unit
-from bridge.describe import values_of
 from bridge.report.difference import metric_rows, parameter_rows, signal_differences
 from bridge.report.page import page, write_report
-from bridge.report.run import Run, load_run, named_apart
+from bridge.report.subject import Run, load_run, named_apart
 from bridge.report.thin import thinned
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import ScenarioError, load
+from bridge.scenario.bands import METRICS, value_with_unit
+from bridge.scenario.describe import values_of
 
 SHORT = ["duration=1.6"]
 FETCHING = {"src", "href", "xlink:href", "data", "action", "srcset", "poster"}

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bridge.bands import METRICS, parse_band
 from bridge.scenario import Scenario, ScenarioError, check, load, names
-from bridge.units import UNITS, quantity
+from bridge.scenario.bands import METRICS, parse_band
+from bridge.scenario.units import UNITS, quantity
 from controller.metrics import Band
 from controller.reference import evaluate
 from twin.rig import RIG, Choice, values

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bridge.drawing.colours import STOPS, UNKNOWN, pressure_colours
 from bridge.recording.frames import frames, profiles
 from bridge.recording.reader import Recording, recording
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
-from bridge.view.colours import STOPS, UNKNOWN, pressure_colours
 from bridge.view.content import scene_of, write
 from bridge.view.length_time import marks, picture
 from bridge.view.routes import length_of, route, segments

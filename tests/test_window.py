@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from bridge.bands import parse_band
+from bridge.scenario.bands import parse_band
 from controller.window import Moment, WindowBand, judge_window
 
 TIME = np.arange(1001) * 1e-3

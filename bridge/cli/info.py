@@ -4,9 +4,9 @@ from typing import Any
 
 from rich.console import Console
 
-from bridge.bands import METRICS, value_with_unit
 from bridge.cli.report import print_table
 from bridge.recording.info import plain
+from bridge.scenario.bands import METRICS, value_with_unit
 
 EVENTS = 20  # events that are shown; --json gives all
 

@@ -12,8 +12,14 @@ from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, print_json
 def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
     """Print a scenario's circuit: parts, values with their sources, frequencies, travel times, limits of the step."""
     from bridge.cli.report import print_table
-    from bridge.describe import PICTURE, facts, step_rows, values_of, warnings
     from bridge.scenario import load
+    from bridge.scenario.describe import (
+        PICTURE,
+        facts,
+        step_rows,
+        values_of,
+        warnings,
+    )
 
     loaded = load(scenario, changes)
     values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)

@@ -67,7 +67,7 @@ def report(
 
 def _seconds(text: str) -> float:
     from bridge.errors import ScenarioError
-    from bridge.units import quantity
+    from bridge.scenario.units import quantity
 
     try:
         return quantity(text, "s")

@@ -91,7 +91,7 @@ def nanoseconds(option: str, text: str) -> int:
 
 def _quantity(option: str, text: str, unit: str) -> float:
     from bridge.errors import ScenarioError
-    from bridge.units import quantity
+    from bridge.scenario.units import quantity
 
     try:
         found = quantity(text, unit)

@@ -7,9 +7,9 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from bridge.bands import METRICS, value_with_unit
 from bridge.runs.check import CheckResult
 from bridge.runs.run import Outcome
+from bridge.scenario.bands import METRICS, value_with_unit
 
 UNFOLDED = 200  # columns, where nobody's window is to be kept to
 

@@ -130,7 +130,7 @@ def _rig(scenario: str, changes: list[str] | None) -> Any:
 
 
 def _si(text: str, unit: str, name: str) -> float:
-    from bridge.units import quantity
+    from bridge.scenario.units import quantity
 
     try:
         return quantity(text, unit)
@@ -160,7 +160,7 @@ def _asked(answer: Any) -> Any:
 
 
 def _save(name: str, drawn: Any, output: Path) -> list[str]:
-    from bridge.valve.files import save
+    from bridge.drawing.files import save
 
     columns, page = drawn
     return [str(path) for path in save(name, columns, page, output)]

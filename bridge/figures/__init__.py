@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
+from bridge.drawing.canvas import Columns, Sheet
 from bridge.figures import (
     friction,
     limit_cycles,
@@ -32,7 +33,6 @@ from bridge.figures import (
     valve_spectrum,
     valve_static,
 )
-from bridge.figures.canvas import Columns, Sheet
 
 
 class Figure(NamedTuple):

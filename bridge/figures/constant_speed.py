@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.figures.canvas import Array
+from bridge.drawing.canvas import Array
 from bridge.scenario.model import Daq
 from twin.block import OBSERVED, compiled, run_block
 from twin.build import build

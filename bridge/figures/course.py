@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.figures.canvas import Columns
+from bridge.drawing.canvas import Columns
 from bridge.recording.columns import vapour
 from bridge.runs.in_process import exchange, sides
 from bridge.scenario import Scenario, load

@@ -6,7 +6,15 @@ drawn in grey as what they are, and the table's verdict tells them apart.
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Axes, Columns, Sheet, label, shades, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Axes,
+    Columns,
+    Sheet,
+    label,
+    shades,
+    sheet,
+)
 from bridge.figures.constant_speed import (
     LEAST_PRESSURE,
     LINES,

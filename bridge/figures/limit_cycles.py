@@ -8,7 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, remark, tiles
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    remark,
+    tiles,
+)
 from controller.stability.actuator import Actuator
 from controller.stability.analogue import analogue_edge
 from controller.stability.arc import CROSSED

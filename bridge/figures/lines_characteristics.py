@@ -6,7 +6,13 @@ friction. The density is not printed there; with 876.56 kg/m^3 of 2.2.3 the step
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, remark, stack
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    remark,
+    stack,
+)
 from twin.lines.lab.friction import friction
 from twin.lines.lab.network import characteristics
 from twin.lines.lab.pipe import VELOCITY, Case, End, History, Pipe, constant, reservoir

@@ -7,7 +7,14 @@ not enough: the panels on the right say how many are, by height and by time of t
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, remark, shades, sheet
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    remark,
+    shades,
+    sheet,
+)
 from twin.lines.lab.exact import exact_history
 from twin.lines.lab.friction import Friction, friction
 from twin.lines.lab.network import characteristics

@@ -12,7 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Columns, Sheet, label, lattice, remark
+from bridge.drawing.canvas import (
+    Array,
+    Columns,
+    Sheet,
+    label,
+    lattice,
+    remark,
+)
 from twin.lines.lab.friction import friction
 from twin.lines.lab.integrate import TIMES, until
 from twin.lines.lab.pipe import PRESSURE, VELOCITY, Case, End, Pipe

@@ -5,7 +5,14 @@ Every scheme with 20 cells and the step of a wave through one; the rig's real-ti
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from twin.lines.lab.friction import friction
 from twin.lines.lab.pipe import Pipe
 from twin.lines.lab.response import (

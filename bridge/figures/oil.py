@@ -11,7 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Axes, Columns, Sheet, label, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Axes,
+    Columns,
+    Sheet,
+    label,
+    sheet,
+)
 from twin.line_fit import Line, fit_line
 from twin.oil import SECONDS_TO_VISCOSITY, exponential_viscosity, kinematic_viscosity
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.figures.canvas import Array
+from bridge.drawing.canvas import Array
 from bridge.figures.constant_speed import Readings
 from twin.seal import Seal
 

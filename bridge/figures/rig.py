@@ -8,7 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.figures.canvas import Axes, Columns, Sheet, drawing
+from bridge.drawing.canvas import (
+    Axes,
+    Columns,
+    Sheet,
+    drawing,
+)
 from bridge.figures.symbols import (
     INK,
     OIL,

@@ -10,7 +10,14 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from bridge.figures.canvas import Array, Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from controller.stability.actuator import Actuator, Feedback, mirror
 from controller.stability.arc import RELAY, follow
 from controller.stability.floquet import samples

@@ -9,7 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from bridge.figures.stability_edges import rig
 from bridge.stability.edges import cases_of_causes, edge_points, measured_edges
 from bridge.sweep.engine import ALL_CORES, Crew

@@ -11,7 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.figures.canvas import Array, Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from bridge.stability.drawing import COLOURS, GOOD
 from controller.stability import linear_actuator, sampled_loop
 from controller.stability.analogue import analogue_edge

@@ -10,7 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from bridge.scenario import Scenario, load
 from bridge.stability.edges import edge_points, measured_edges, theory_edges
 from bridge.stability.plant import POINTS, plants

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from bridge.figures.canvas import Axes
+from bridge.drawing.canvas import Axes
 
 STEEL, HOSE, INK, OIL, PALE = "#3b4a5a", "#d9822b", "#222222", "#cfe3f5", "#f3f5f7"
 Points = Sequence[tuple[float, float]]

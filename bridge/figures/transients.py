@@ -6,7 +6,14 @@ alone. How it is read stands in `course`.
 
 import numpy as np
 
-from bridge.figures.canvas import Axes, Columns, Sheet, label, remark, stack
+from bridge.drawing.canvas import (
+    Axes,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    stack,
+)
 from bridge.figures.course import (
     CARD,
     FINE,

@@ -4,7 +4,15 @@ import math
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Axes, Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Axes,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from twin.chatter.equilibrium import bare, onset
 from twin.chatter.lyapunov import change, first_coefficient
 from twin.chatter.orbit import follow, small

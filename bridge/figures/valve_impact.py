@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from bridge.figures.canvas import Axes, Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Axes,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from bridge.figures.valve_chatter import COLOURS
 from twin.chatter.basin import basin, bifurcation, chart
 from twin.chatter.build import pilot_of

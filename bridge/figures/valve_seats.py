@@ -4,7 +4,14 @@ import math
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, remark, shades, sheet
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    remark,
+    shades,
+    sheet,
+)
 from bridge.figures.valve_chatter import COLOURS
 from twin.chatter.build import pilot_of
 from twin.chatter.equilibrium import onset

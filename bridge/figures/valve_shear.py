@@ -7,7 +7,15 @@ import math
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Columns, Sheet, label, remark, shades, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    shades,
+    sheet,
+)
 from twin.chatter.build import conical_of
 from twin.rig import values
 from twin.seats import conical, diverging, film

@@ -10,7 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.figures.canvas import Array, Axes, Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Array,
+    Axes,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from twin.build import build
 from twin.circuit import Circuit
 from twin.equilibrium import equilibrium, supply_at_rest

@@ -7,7 +7,14 @@ import math
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, remark, shades, sheet
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    remark,
+    shades,
+    sheet,
+)
 from twin.build import relief_sizes
 from twin.chatter.build import chamfered_of
 from twin.oil import Oil, kinematic_viscosity

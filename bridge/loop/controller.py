@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bridge.scenario import Scenario, ScenarioError
-from bridge.units import split
+from bridge.scenario.units import split
 from bridge.wire.messages import Outgoing, Reference, ValveCommand
 from controller.law import LAWS, Gains, Law, Sample, per_metre
 from controller.reference import Target, evaluate

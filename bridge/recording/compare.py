@@ -9,7 +9,7 @@ import numpy as np
 from bridge.errors import ScenarioError
 from bridge.recording.reader import Recording
 from bridge.recording.signals import COMPARED, Signal, signals_of
-from bridge.units import UNITS, quantity
+from bridge.scenario.units import UNITS, quantity
 from controller.sampling import NS
 
 

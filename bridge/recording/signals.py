@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.bands import SIGNALS
 from bridge.recording.reader import Recording
+from bridge.scenario.bands import SIGNALS
 from bridge.wire.messages import TOPICS, described, struct_format
 from controller.sampling import NS
 

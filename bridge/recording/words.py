@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from bridge.bands import METRICS, value_with_unit
 from bridge.recording.reader import Recording
+from bridge.scenario.bands import METRICS, value_with_unit
 
 LINE_ENDS = (
     ("pump", "tee, p1"),

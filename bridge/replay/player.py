@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from bridge.errors import ScenarioError
 from bridge.machine.clock import SPIN_NS
 from bridge.replay.timeline import Timeline
-from bridge.units import quantity
+from bridge.scenario.units import quantity
 from controller.sampling import NS
 
 NAP = 0.005  # seconds, the longest in which nothing is heeded

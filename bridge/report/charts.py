@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridge.report.run import Run
+from bridge.report.subject import Run
 from bridge.report.thin import thinned
 
 BAR, MM, L_MIN, UM, CM3 = 1e-5, 1e3, 6e4, 1e6, 1e6

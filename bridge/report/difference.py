@@ -4,9 +4,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridge.bands import METRICS, SHOWN, SIGNALS, value_with_unit
-from bridge.describe import values_of
-from bridge.report.run import Run
+from bridge.report.subject import Run
+from bridge.scenario.bands import (
+    METRICS,
+    SHOWN,
+    SIGNALS,
+    value_with_unit,
+)
+from bridge.scenario.describe import values_of
 
 
 class Difference(NamedTuple):

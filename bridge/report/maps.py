@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from bridge.drawing.colours import STOPS
 from bridge.recording.words import LINE_ENDS
 from bridge.report.charts import BLUE, ORANGE, RUNS, canvas
-from bridge.report.run import Run
-from bridge.view.colours import STOPS
+from bridge.report.subject import Run
 
 MOST_COLUMNS = 1200
 EDGES = np.logspace(-1, 5, 91)  # [us]

@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from bridge.drawing.html import svg, text
 from bridge.errors import ScenarioError
 from bridge.report.charts import CHARTS, draw_chart
-from bridge.report.inline import svg, text
 from bridge.report.maps import draw_maps, draw_timing
-from bridge.report.run import Run, load_run, named_apart
 from bridge.report.sections import (
     differences,
     events,
@@ -19,6 +18,7 @@ from bridge.report.sections import (
     timing_table,
 )
 from bridge.report.stability import CAPTION, draw_stability, stability_points, words
+from bridge.report.subject import Run, load_run, named_apart
 
 CSS = """
 :root { --ink: #1c2430; --soft: #5c6675; --line: #d9dde3; --good: #2c7a43; --bad: #b3312c; --blue: #2a6fbb }

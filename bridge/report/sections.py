@@ -2,12 +2,12 @@
 
 from itertools import groupby
 
-from bridge.describe import values_of
+from bridge.drawing.html import table, text
 from bridge.recording.words import sentence
 from bridge.report.charts import RUNS
 from bridge.report.difference import metric_rows, parameter_rows, scenario_rows, signal_differences
-from bridge.report.inline import table, text
-from bridge.report.run import Run
+from bridge.report.subject import Run
+from bridge.scenario.describe import values_of
 
 MOST_EVENTS = 200  # in the table; the rest are counted
 

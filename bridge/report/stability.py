@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from bridge.drawing.html import text
 from bridge.report.charts import BLUE, GREY, RED, RUNS, canvas
-from bridge.report.inline import text
-from bridge.report.run import Run
+from bridge.report.subject import Run
 from bridge.stability.operating import edge_curves, operating_point, sentences
 
 CAPTION = (

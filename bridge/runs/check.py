@@ -4,10 +4,10 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.bands import parse_band, signal_with_unit, value_with_unit
 from bridge.recording.reader import read
 from bridge.runs.run import Outcome, RunRequest, run_scenario
 from bridge.scenario import Scenario
+from bridge.scenario.bands import parse_band, signal_with_unit, value_with_unit
 from controller.metrics import Band, Metrics, judge
 from controller.sampling import NS
 from controller.window import END, START, WindowBand, judge_window

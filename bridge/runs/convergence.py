@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.bands import SHOWN, SIGNALS
 from bridge.recording.reader import read
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import Scenario
+from bridge.scenario.bands import SHOWN, SIGNALS
 from twin.block import OBSERVED
 
 QUIET = {"noise": 0.0, "quantise": False}  # a card's counts would hide the plant's error

@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.describe import warnings
 from bridge.machine.clock import Stop
 from bridge.recording.reader import Recording, read
 from bridge.recording.summary import NEEDED, summarise, verdict
 from bridge.runs.in_process import record_in_process
 from bridge.runs.progress import Progress
 from bridge.scenario import Scenario
+from bridge.scenario.describe import warnings
 from bridge.stability.operating import operating_point
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from bridge.units import UNITS, quantity, split
+from bridge.scenario.units import UNITS, quantity, split
 
 
 class Part(BaseModel):

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, create_model, model_validator
 
-from bridge.bands import parse_band
+from bridge.scenario.bands import parse_band
 from bridge.scenario.fields import (
     DerivativeGain,
     Fraction,

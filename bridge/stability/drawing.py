@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridge.report.inline import text
+from bridge.drawing.html import text
 from bridge.stability.chart import Chart
 from bridge.stability.page import PAGE
 from controller.stability.parting import CAUSES
@@ -83,7 +83,7 @@ def draw(chart: Chart, overlay: Overlay) -> Any:
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
-    from bridge.figures.canvas import label, remark, sheet
+    from bridge.drawing.canvas import label, remark, sheet
 
     page, (axes,) = sheet(f"Stability of the sampled loop: {chart.about}")
     counted, colours = np.minimum(chart.outside, len(COLOURS) - 1), ListedColormap(COLOURS)

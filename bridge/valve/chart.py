@@ -5,7 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, remark, sheet
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
 from bridge.figures.valve_impact import patches, patches_legend
 from bridge.sweep.engine import Crew, sweep
 from bridge.sweep.journal import Point, Result

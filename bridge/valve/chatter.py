@@ -5,7 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, sheet
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    sheet,
+)
 from twin.chatter.build import pilot_of
 from twin.chatter.equilibrium import gains
 from twin.chatter.impact import impact_orbit, orbit_error

@@ -4,7 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, sheet
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    sheet,
+)
 from twin.chatter.build import chamfered_of, conical_of
 from twin.rig import Values
 from twin.seats import chamfered, conical, film, validity

@@ -4,7 +4,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridge.figures.canvas import Columns, Sheet, label, sheet
+from bridge.drawing.canvas import (
+    Columns,
+    Sheet,
+    label,
+    sheet,
+)
 from bridge.figures.valve_static import oil_of, valve_of
 from twin.build import relief_sizes
 from twin.relief import Relief

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from bridge.view.colours import LEGEND, pressure_colours
+from bridge.drawing.colours import LEGEND, pressure_colours
 from bridge.view.stage import CAVITY_SCALE, LIFT_SCALE, PUMP, RELIEF_AT, TANK, TEE, UP, VALVE, Stage
 
 PAPER, INK = (236, 240, 246), (190, 198, 208)

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from typing import Any
 
-from bridge.view.colours import UNKNOWN
+from bridge.drawing.colours import UNKNOWN
 from bridge.view.curves import PICTURES
 from bridge.view.length_time import HEIGHT, WIDTH, entity
 from bridge.view.timeline import TIMELINE

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.view.colours import LEGEND, pressure_colours
+from bridge.drawing.colours import LEGEND, pressure_colours
 from bridge.view.timeline import time_column
 from controller.sampling import NS
 

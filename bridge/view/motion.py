@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from bridge.drawing.colours import CAVITY, pressure_colours
 from bridge.recording.frames import Frames
-from bridge.view.colours import CAVITY, pressure_colours
 from bridge.view.stage import BARREL_AT, LIFT_SCALE, PISTON, RELIEF_AT, RIGHT, SPOOL_TRAVEL, UP, Stage, ball_radius
 from bridge.view.timeline import time_column
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.figures.canvas import lattice
+from bridge.drawing.canvas import lattice
 from bridge.figures.lines_friction import CASE as SOURCE
 from bridge.figures.lines_friction import SPAN as SOURCE_SPAN
 from tests.benchmarks.plant import Row

@@ -4,7 +4,7 @@ import math
 from typing import Any, NamedTuple
 
 from bridge.scenario import Scenario
-from bridge.units import UNITS
+from bridge.scenario.units import UNITS
 from twin.build import build
 from twin.circuit import Circuit
 from twin.equilibrium import supply_at_rest

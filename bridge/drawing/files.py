@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from bridge.drawing.canvas import Columns, Sheet
 from bridge.figures import write_columns
-from bridge.figures.canvas import Columns, Sheet
 
 
 def save(name: str, columns: Columns, page: Sheet, directory: Path) -> list[Path]:

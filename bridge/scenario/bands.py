@@ -7,7 +7,7 @@ import difflib
 import re
 from typing import NamedTuple
 
-from bridge.units import quantity
+from bridge.scenario.units import quantity
 from controller.metrics import Band, Metrics
 from controller.window import END, START, STATISTICS, Moment, WindowBand
 from twin.block import OBSERVED
