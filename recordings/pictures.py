@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from bridge.report.page import write_report
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
-from bridge.view.rerun import show
+from bridge.view.show import show
 from bridge.wire.link import free_endpoint
 from recordings.browser import browser
 

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from matplotlib import rc_context
 
-from bridge.figures.rig import draw_circuit
-from bridge.figures.transients import draw_load_change
+from bridge.figures.circuit.rig import draw_circuit
+from bridge.figures.transients.transients import draw_load_change
 from bridge.runs.in_process import record_in_process
 from bridge.runs.picture import draw
 from bridge.scenario import Scenario, load

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bridge.figures import FIGURES, LONG, draw_figure
-from bridge.figures.constant_speed import (
+from bridge.figures.friction.constant_speed import (
     CARD,
     LOADS,
     OUT_OF_RANGE,
@@ -22,10 +22,25 @@ from bridge.figures.constant_speed import (
     readings,
     runs,
 )
-from bridge.figures.friction import rig_seal
-from bridge.figures.oil import REFERENCE, THERMOMETER, Points, constants, fit, measure, viscosity_columns
-from bridge.figures.power_law import PowerLaw, factor, fit_power_law, law_force, limited, on_slope
-from bridge.figures.stability_charts import CHARTS
+from bridge.figures.friction.friction import rig_seal
+from bridge.figures.friction.power_law import (
+    PowerLaw,
+    factor,
+    fit_power_law,
+    law_force,
+    limited,
+    on_slope,
+)
+from bridge.figures.oil.viscosity import (
+    REFERENCE,
+    THERMOMETER,
+    Points,
+    constants,
+    fit,
+    measure,
+    viscosity_columns,
+)
+from bridge.figures.stability.charts import CHARTS
 from twin.oil import exponential_viscosity, kinematic_viscosity
 from twin.rig import RIG
 from twin.seal import friction

@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 
-from bridge.figures import lines_characteristics
-from bridge.figures.lines_friction import CASE, SPAN
-from bridge.figures.lines_orders import HELD, run, smooth, steep
+from bridge.figures.lines import characteristics as lines_characteristics
+from bridge.figures.lines.friction import CASE, SPAN
+from bridge.figures.lines.orders import (
+    HELD,
+    run,
+    smooth,
+    steep,
+)
 from twin.lines.lab.exact import exact_history
 from twin.lines.lab.peaks import peaks_of
 

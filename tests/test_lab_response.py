@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 
-from bridge.figures.lines_response import responses
+from bridge.figures.lines.response import responses
 from twin.lines.lab.friction import friction
 from twin.lines.lab.integrate import TIMES, march, until
 from twin.lines.lab.network import characteristics

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from twin.line_fit import fit_line
+from bridge.figures.oil.line_fit import fit_line
 
 NUMBER = st.floats(-100.0, 100.0)
 SCALE = st.floats(0.01, 100.0)

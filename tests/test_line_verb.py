@@ -10,10 +10,10 @@ from typer.testing import CliRunner
 
 from bridge.cli.line import line as verb
 from bridge.cli.verbs import app
-from bridge.line_case import Request
-from bridge.line_study import facts as what_it_says
-from bridge.line_study import study
 from bridge.scenario import ScenarioError
+from bridge.studies.line.case import Request
+from bridge.studies.line.study import facts as what_it_says
+from bridge.studies.line.study import study
 
 
 def line(folder: Path, *options: str):

@@ -8,10 +8,10 @@ import pytest
 from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
-from bridge.stability.actuator_runs import actuator_runs, run_of
-from bridge.stability.chart import Plainly
-from bridge.sweep.engine import HERE
-from bridge.sweep.journal import Journal
+from bridge.studies.stability.actuator_runs import actuator_runs, run_of
+from bridge.studies.stability.chart import Plainly
+from bridge.studies.sweep.engine import HERE
+from bridge.studies.sweep.journal import Journal
 from controller.stability.parting import CAUSES
 
 

@@ -5,7 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from bridge.figures.valve_spectrum import heard, pushed, rig_of, theory
+from bridge.figures.valve.spectrum import (
+    heard,
+    pushed,
+    rig_of,
+    theory,
+)
 from tests.relief_valve import BAR, FLOW, IMPEDANCE, SHEET_OIL, valve
 from twin.build import build
 from twin.equilibrium import equilibrium

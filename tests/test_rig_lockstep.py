@@ -8,11 +8,16 @@ import pytest
 from bridge.recording.reader import read
 from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import Scenario, load
-from bridge.stability.criterion import Swing
-from bridge.stability.plant import at_rest, plants
-from bridge.stability.probe import critical_gain, judged, probe, stand_of
-from bridge.stability.sampling import edge_of, timing_of
-from bridge.stability.trial import Trace, trial
+from bridge.studies.stability.criterion import Swing
+from bridge.studies.stability.probe import (
+    critical_gain,
+    judged,
+    probe,
+    stand_of,
+)
+from bridge.studies.stability.rig_loop import edge_of, timing_of
+from bridge.studies.stability.rig_plant import at_rest, plants
+from bridge.studies.stability.trial import Trace, trial
 from controller.law import per_metre
 
 SIZE = 20e-3  # [m], a step of figure 5.21

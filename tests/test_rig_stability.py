@@ -12,13 +12,18 @@ from bridge.runs.check import check_scenario
 from bridge.runs.in_process import record_in_process
 from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import ScenarioError, load, names
-from bridge.stability.advice import advise, refuse_other_loops
-from bridge.stability.causes import with_causes
-from bridge.stability.criterion import crossing_frequency, judge_swing
-from bridge.stability.plant import plants
-from bridge.stability.probe import critical_gain, stand_of, swing_at
-from bridge.stability.sampling import Timing, edge_of, margins_of, suggested
-from bridge.stability.trial import stand, trial
+from bridge.studies.stability.advice import advise, refuse_other_loops
+from bridge.studies.stability.causes import with_causes
+from bridge.studies.stability.criterion import crossing_frequency, judge_swing
+from bridge.studies.stability.probe import critical_gain, stand_of, swing_at
+from bridge.studies.stability.rig_loop import (
+    Timing,
+    edge_of,
+    margins_of,
+    suggested,
+)
+from bridge.studies.stability.rig_plant import plants
+from bridge.studies.stability.trial import stand, trial
 
 SQRT2 = math.sqrt(2.0)
 

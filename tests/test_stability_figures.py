@@ -5,7 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from bridge.figures.stability_charts import CHARTS, CURVES, Damped, counts, draw_areas, draw_curves, middles, shares
+from bridge.figures.stability.charts import (
+    CHARTS,
+    CURVES,
+    Damped,
+    counts,
+    draw_areas,
+    draw_curves,
+    middles,
+    shares,
+)
 from controller.stability import is_stable, linear_actuator, loop_onset, monodromy, multipliers, sampled_loop
 
 TAU, S = middles(20.0), middles(5.0)

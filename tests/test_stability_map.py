@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 
 from bridge.scenario import load
-from bridge.stability.chart import AXES, Family, OfRig, Plainly, chart
-from bridge.stability.sampling import loop_of
+from bridge.studies.stability.chart import (
+    AXES,
+    Family,
+    OfRig,
+    Plainly,
+    chart,
+)
+from bridge.studies.stability.rig_loop import loop_of
 from controller.stability import closed, monodromy, multipliers, stable_count
 
 FILTERED = Plainly({"damping": 0.1, "delay": 0.6}, "filtered", 0.7)

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from bridge.sweep.engine import HERE, Crew, sweep
-from bridge.sweep.journal import Journal, JournalError, key_of
+from bridge.studies.sweep.engine import HERE, Crew, sweep
+from bridge.studies.sweep.journal import Journal, JournalError, key_of
 
 POINTS = [{"a": i, "b": 0.1 * i} for i in range(7)]
 ABOUT = {"title": "squares"}

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from bridge.sweep.engine import HERE, Crew, sweep
+from bridge.studies.sweep.engine import HERE, Crew, sweep
 
 distributed = pytest.importorskip("distributed")
 POINTS = [{"a": i, "b": 0.1 * i} for i in range(12)]

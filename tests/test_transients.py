@@ -7,7 +7,8 @@ lower area is the piston's speed.
 import numpy as np
 import pytest
 
-from bridge.figures.course import (
+from bridge.figures.circuit.rig import ROUTES, circuit_columns, line_data
+from bridge.figures.transients.course import (
     FINE,
     LIFT,
     RESTART,
@@ -22,7 +23,6 @@ from bridge.figures.course import (
     schedule,
     transient_columns,
 )
-from bridge.figures.rig import ROUTES, circuit_columns, line_data
 from bridge.scenario import load
 from tests.plant import BAR
 from twin.build import build

@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
 from bridge.scenario import ScenarioError
-from bridge.sweep.engine import HERE
-from bridge.valve.chart import rows as chart_rows
-from bridge.valve.chatter import truly_damped
+from bridge.studies.sweep.engine import HERE
+from bridge.studies.valve.chart import rows as chart_rows
+from bridge.studies.valve.chatter import truly_damped
 from tests.relief_valve import BAR, LITRE_PER_MINUTE, SHEET, SHEET_OIL, valve
 from twin.chatter.basin import chart
 from twin.chatter.build import pilot_of

@@ -16,7 +16,7 @@ from bridge.runs.in_process import record_in_process
 from bridge.runs.picture import draw as picture
 from bridge.scenario import ScenarioError, load
 from bridge.view.curves import CURVES, PICTURES, Drawn, samples, span
-from bridge.view.rerun import show
+from bridge.view.show import show
 
 ROOT = Path(__file__).parents[1]
 TICKS = 601  # 0.6 s at 1 kHz, with the first
@@ -113,7 +113,7 @@ def test_axis_holds_the_curves_and_no_constant_is_squeezed():
 
 
 def test_without_rerun_one_line_says_how_to_get_it(recorded: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("bridge.view.program.find_spec", lambda name: None)
+    monkeypatch.setattr("bridge.view.rerun_program.find_spec", lambda name: None)
     with pytest.raises(ScenarioError, match=re.escape("pip install 'hydrotwin[view]'")) as raised:
         show(recorded, web=False, save=recorded.with_name("never.rrd"))
     assert "\n" not in str(raised.value)

@@ -12,7 +12,7 @@ import pytest
 from bridge.recording.reader import Entry
 from bridge.runs.in_process import exchange, manifest, sides
 from bridge.scenario import load
-from bridge.view.batch import WATCHED, Inbox, run_of
+from bridge.view.inbox import WATCHED, Inbox, run_of
 from bridge.wire.bus import STAMP
 from bridge.wire.link import free_endpoint
 from bridge.wire.messages import encode
@@ -73,7 +73,7 @@ def test_batches_of_any_size_draw_the_same(tmp_path: Path, size: int):
     """A profile and the state of its tick may come in different batches."""
     import rerun as rr
 
-    from bridge.view.drawing import Drawing
+    from bridge.view.live_drawing import Drawing
 
     head, entries = messages(0.1)
     stream, path = rr.RecordingStream("hydrotwin"), tmp_path / "a.rrd"

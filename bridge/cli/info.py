@@ -4,7 +4,7 @@ from typing import Any
 
 from rich.console import Console
 
-from bridge.cli.report import print_table
+from bridge.cli.printing import print_table
 from bridge.recording.info import plain
 from bridge.scenario.bands import METRICS, value_with_unit
 

@@ -46,9 +46,9 @@ def line(
     as_json: AS_JSON = False,
 ) -> None:
     """Simulate waves in one pipe by any scheme, beside the exact line: line.png, line.csv and what they say."""
-    from bridge.cli.report import print_table
-    from bridge.line_case import Request
-    from bridge.line_study import facts, study, write
+    from bridge.cli.printing import print_table
+    from bridge.studies.line.case import Request
+    from bridge.studies.line.study import facts, study, write
 
     request = Request(
         length, diameter, oil, temperature, viscosity, density, speed, wall, young, left, right, velocity, pressure,

@@ -37,7 +37,7 @@ def view(
     """
     when = -1.0 if at is None else _seconds(at)
     if file is not None:
-        from bridge.view.rerun import show
+        from bridge.view.show import show
 
         show(file, web, save, picture, when)
         return

@@ -112,7 +112,7 @@ def tolerances(texts: list[str] | None) -> dict[str, str]:
 
 def print_differences(found: "list[Difference]", as_json: bool, further: dict[str, Any] | None = None) -> None:
     """The table of a comparison."""
-    from bridge.cli.report import print_table
+    from bridge.cli.printing import print_table
 
     if as_json:
         plain = [{k: None if v != v else v for k, v in difference._asdict().items()} for difference in found]

@@ -20,7 +20,7 @@ def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSO
     By linear theory about the rig's own points of rest and slow motion; what it leaves out is in docs/stability.md.
     """
     from bridge.scenario import load
-    from bridge.stability.advice import advise as advice
+    from bridge.studies.stability.advice import advise as advice
 
     found = advice(load(scenario, changes))
     if as_json:
@@ -30,8 +30,8 @@ def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSO
 
 
 def _print(found: dict[str, Any]) -> None:
-    from bridge.cli.report import print_table
-    from bridge.stability.advice import WORDS
+    from bridge.cli.printing import print_table
+    from bridge.studies.stability.advice import WORDS
 
     own, derivative = found["gain"]["volts"], found["derivative_gain"]["volts"]
     print(
@@ -106,7 +106,7 @@ def map_stability(
     run of the actuator parts from theory, the cause is found and said. An interrupted map goes on where it was.
     """
     from bridge.scenario import ScenarioError
-    from bridge.stability.mapping import Wanted, make
+    from bridge.studies.stability.map import Wanted, make
 
     try:
         wanted = Wanted(

@@ -19,9 +19,14 @@ PRECOMPRESSION = Annotated[str, typer.Option(help="Of the spring.")]
 @app.command()
 def static(scenario: SCENARIO = "step", changes: CHANGES = None, output: OUTPUT = Path(), as_json: AS_JSON = False):
     """The static curve of the two-stage valve: setting, knee, openings, what shapes it, what it can tell."""
-    from bridge.cli.report import print_table
-    from bridge.valve.static import combinations, draw, plain, rows
-    from bridge.valve.static import static as found_of
+    from bridge.cli.printing import print_table
+    from bridge.studies.valve.static import (
+        combinations,
+        draw,
+        plain,
+        rows,
+    )
+    from bridge.studies.valve.static import static as found_of
 
     found = _asked(lambda: found_of(_rig(scenario, changes)))
     paths = _save("valve-static", draw(found), output)
@@ -49,8 +54,8 @@ def seat(
     as_json: AS_JSON = False,
 ) -> None:
     """A seat at a lift and a pressure drop: flow, loss, forces, damping; a warning where its law does not hold."""
-    from bridge.valve.chatter import law_of
-    from bridge.valve.seat import draw, facts, rows
+    from bridge.studies.valve.chatter import law_of
+    from bridge.studies.valve.seat import draw, facts, rows
 
     def answer() -> tuple[dict[str, Any], Any]:
         law_of(kind)
@@ -72,7 +77,7 @@ def chatter(
     as_json: AS_JSON = False,
 ) -> None:
     """Will it sing? Seat, spring and volume (rig.chatter) at a flow: damping needed and had, frequency, impacts."""
-    from bridge.valve.chatter import draw, facts, rows
+    from bridge.studies.valve.chatter import draw, facts, rows
 
     def answer() -> tuple[dict[str, Any], Any]:
         rig, q, x0 = _rig(scenario, changes), _si(flow, "m^3/s", "flow"), _si(precompression, "m", "precompression")
@@ -102,9 +107,9 @@ def chart(
     """
     import numpy as np
 
-    from bridge.sweep.engine import Crew
-    from bridge.valve.chart import draw
-    from bridge.valve.chatter import law_of
+    from bridge.studies.sweep.engine import Crew
+    from bridge.studies.valve.chart import draw
+    from bridge.studies.valve.chatter import law_of
     from twin.chatter.build import pilot_of
     from twin.chatter.physical import reference, system
 
@@ -167,7 +172,7 @@ def _save(name: str, drawn: Any, output: Path) -> list[str]:
 
 
 def _tell(found: dict[str, Any], rows: list[tuple[str, str]], paths: list[str], as_json: bool) -> None:
-    from bridge.cli.report import print_table
+    from bridge.cli.printing import print_table
 
     if as_json:
         print_json(found | {"files": paths})

@@ -1,6 +1,21 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
-from bridge.cli import inspect, line, looking, processes, record, recordings, replay, running, stability, valve
+from bridge.cli import (
+    figures as inspect,
+)
+from bridge.cli import (
+    line,
+    looking,
+    processes,
+    record,
+    recordings,
+    replay,
+    stability,
+    valve,
+)
+from bridge.cli import (
+    run as running,
+)
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {

@@ -11,27 +11,55 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bridge.drawing.canvas import Columns, Sheet
-from bridge.figures import (
-    friction,
+from bridge.figures.circuit import rig
+from bridge.figures.friction import friction
+from bridge.figures.lines import (
+    characteristics as lines_characteristics,
+)
+from bridge.figures.lines import (
+    friction as lines_friction,
+)
+from bridge.figures.lines import (
+    orders as lines_orders,
+)
+from bridge.figures.lines import (
+    response as lines_response,
+)
+from bridge.figures.oil import viscosity as oil
+from bridge.figures.stability import (
+    causes as stability_causes,
+)
+from bridge.figures.stability import (
+    charts as stability_charts,
+)
+from bridge.figures.stability import (
+    edges as stability_edges,
+)
+from bridge.figures.stability import (
     limit_cycles,
-    lines_characteristics,
-    lines_friction,
-    lines_orders,
-    lines_response,
-    oil,
-    rig,
     slow_manifold,
-    stability_causes,
-    stability_charts,
-    stability_edges,
-    transients,
-    valve_chatter,
-    valve_impact,
-    valve_seat,
-    valve_seats,
-    valve_shear,
-    valve_spectrum,
-    valve_static,
+)
+from bridge.figures.transients import transients
+from bridge.figures.valve import (
+    chatter as valve_chatter,
+)
+from bridge.figures.valve import (
+    impact as valve_impact,
+)
+from bridge.figures.valve import (
+    seat as valve_seat,
+)
+from bridge.figures.valve import (
+    seats as valve_seats,
+)
+from bridge.figures.valve import (
+    shear as valve_shear,
+)
+from bridge.figures.valve import (
+    spectrum as valve_spectrum,
+)
+from bridge.figures.valve import (
+    static as valve_static,
 )
 
 

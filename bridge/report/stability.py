@@ -7,7 +7,7 @@ import numpy as np
 from bridge.drawing.html import text
 from bridge.report.charts import BLUE, GREY, RED, RUNS, canvas
 from bridge.report.subject import Run
-from bridge.stability.operating import edge_curves, operating_point, sentences
+from bridge.studies.stability.operating import edge_curves, operating_point, sentences
 
 CAPTION = (
     "By linear theory, without friction, about the points where the piston rests and slowly moves: stable below both "

@@ -10,7 +10,7 @@ from bridge.runs.in_process import record_in_process
 from bridge.runs.progress import Progress
 from bridge.scenario import Scenario
 from bridge.scenario.describe import warnings
-from bridge.stability.operating import operating_point
+from bridge.studies.stability.operating import operating_point
 
 
 class RunRequest(NamedTuple):

@@ -12,9 +12,9 @@ from bridge.scenario import Scenario, ScenarioError
 from bridge.view import length_time
 from bridge.view.curves import CURVES, Curve, draw, span
 from bridge.view.layout import EVENTS, RUN, layout
-from bridge.view.motion import move
-from bridge.view.scene import stand
-from bridge.view.stage import Stage, stage
+from bridge.view.rig.motion import move
+from bridge.view.rig.scene import stand
+from bridge.view.rig.stage import Stage, stage
 from bridge.view.timeline import time_column
 
 APPLICATION = "hydrotwin"

@@ -11,10 +11,16 @@ from typing import Any, NamedTuple
 from bridge.errors import RunError, ScenarioError
 from bridge.machine.clock import Stop
 from bridge.recording.reader import Entry
-from bridge.view.batch import inbox, run_of
 from bridge.view.content import APPLICATION
-from bridge.view.drawing import Drawing
-from bridge.view.program import Program, connected, require_rerun, server, window
+from bridge.view.inbox import inbox, run_of
+from bridge.view.live_drawing import Drawing
+from bridge.view.rerun_program import (
+    Program,
+    connected,
+    require_rerun,
+    server,
+    window,
+)
 from bridge.view.screenshot import check_target, screenshot
 from bridge.wire.bus import Bus
 from bridge.wire.link import Link

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bridge.errors import ScenarioError
-from bridge.view.program import Program, headless
+from bridge.view.rerun_program import Program, headless
 from bridge.view.timeline import TIMELINE
 
 WIDTH, HEIGHT = 1800, 1080

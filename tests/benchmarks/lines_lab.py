@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from bridge.drawing.canvas import lattice
-from bridge.figures.lines_friction import CASE as SOURCE
-from bridge.figures.lines_friction import SPAN as SOURCE_SPAN
+from bridge.figures.lines.friction import CASE as SOURCE
+from bridge.figures.lines.friction import SPAN as SOURCE_SPAN
 from tests.benchmarks.plant import Row
 from twin.lines.lab.exact import exact_history
 from twin.lines.lab.friction import friction

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bridge.figures.stability_charts import CHARTS, shares
+from bridge.figures.stability.charts import CHARTS, shares
 from controller.stability import monodromy
 from controller.stability.chart import stable_multipliers
 from tests.benchmarks.plant import Row

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bridge.scenario import load
-from bridge.stability.probe import critical_gain
-from bridge.stability.trial import stand, trial
+from bridge.studies.stability.probe import critical_gain
+from bridge.studies.stability.trial import stand, trial
 from tests.benchmarks.plant import Row
 
 HOPSAN = 72e-3  # [s], a run of 10 s at 0.1 ms, six friction hoses, by its C API

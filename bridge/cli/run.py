@@ -1,0 +1,120 @@
+"""Verbs that run scenarios: run, check, scenarios, schema."""
+
+import json
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, Mode, print_json
+
+RECORD = Annotated[
+    Path | None,
+    typer.Option("--record", help="Recording to write. [default: runs/SCENARIO-TIME.mcap]", show_default=False),
+]
+
+
+def run(
+    scenario: SCENARIO,
+    mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.realtime,
+    speed: Annotated[float, typer.Option(min=0.01, max=100.0, help="Simulated seconds per second.")] = 1.0,
+    duration: Annotated[str | None, typer.Option(help="Instead of the scenario's, such as '5 s'.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Instead of the scenario's.")] = None,
+    changes: CHANGES = None,
+    recording: RECORD = None,
+    summary_file: Annotated[
+        Path | None, typer.Option("--json", help="Also write the summary as JSON; - prints it instead of the table.")
+    ] = None,
+    fifo: Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")] = False,
+    external: Annotated[bool, typer.Option("--external", help="Wait for somebody else's controller.")] = False,
+    listen: Annotated[
+        str | None, typer.Option(help="The plant's address. [default: a free one on loopback]", show_default=False)
+    ] = None,
+    patience: Annotated[
+        float, typer.Option(help="Seconds the plant waits for a partner or a lockstep command.")
+    ] = 10.0,
+) -> None:
+    """Run a scenario and leave a recording, a picture and a summary.
+
+    [bold]realtime[/bold] and [bold]lockstep[/bold] start plant, controller and recorder as processes;
+    [bold]inprocess[/bold] needs neither middleware nor clock. All record the same data.
+    """
+    from bridge.cli.printing import print_summary
+    from bridge.cli.processes import refuse_fast_daq
+    from bridge.runs.run import RunRequest, run_scenario
+    from bridge.scenario import load
+
+    checked = load(scenario, _changes(changes, duration, seed))
+    if mode == Mode.realtime:
+        refuse_fast_daq(checked, speed)
+    path = recording or default_recording(checked.name)
+    outcome = run_scenario(checked, RunRequest(mode.value, speed, fifo, path, patience, external, listen))
+    if summary_file == Path("-"):
+        print_json(outcome.summary)
+    else:
+        print_summary(outcome)
+        if summary_file:
+            summary_file.parent.mkdir(parents=True, exist_ok=True)
+            summary_file.write_text(json.dumps(outcome.summary, indent=2))
+    raise typer.Exit(1 if outcome.faults else 0)
+
+
+def default_recording(name: str) -> Path:
+    """runs/NAME-TIME.mcap"""
+    return Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
+
+
+def _changes(changes: list[str] | None, duration: str | None, seed: int | None) -> list[str]:
+    own = [f"duration={duration}"] if duration is not None else []
+    return [*(changes or []), *own, *([f"seed={seed}"] if seed is not None else [])]
+
+
+def check(
+    scenarios: Annotated[list[str], typer.Argument(metavar="SCENARIO...", help="Names or TOML files.")],
+    mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.inprocess,
+    changes: CHANGES = None,
+    junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here.")] = None,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the recordings.")] = Path("runs"),
+    as_json: AS_JSON = False,
+) -> None:
+    """Run scenarios headless and judge the bands they state; for CI."""
+    from bridge.cli.printing import print_checks
+    from bridge.runs.check import check_scenario, junit_xml
+    from bridge.scenario import load
+
+    loaded = [load(name, changes) for name in scenarios]
+    results = []
+    for scenario in loaded:
+        results.append(check_scenario(scenario, mode.value, output))
+        if any("interrupted" in fault for fault in results[-1].faults):
+            break
+    if junit:
+        junit.parent.mkdir(parents=True, exist_ok=True)
+        junit.write_text(junit_xml(results))
+    if as_json:
+        print_json([result.plain() for result in results])
+    else:
+        print_checks(results)
+    raise typer.Exit(0 if all(result.passed for result in results) else 1)
+
+
+def scenarios(as_json: AS_JSON = False) -> None:
+    """List the built-in scenarios."""
+    from bridge.cli.printing import print_table
+    from bridge.scenario import load, names
+
+    rows = [(s.name, s.title, f"{s.duration:g} s", "; ".join(s.expect)) for s in map(load, names())]
+    keys = ("name", "title", "duration", "expects")
+    if as_json:
+        print_json([dict(zip(keys, row, strict=True)) for row in rows])
+    else:
+        print_table(keys, rows)
+
+
+def schema() -> None:
+    """Print the JSON schema of scenario files, for editors."""
+    from bridge.scenario import Scenario
+
+    found: dict[str, Any] = Scenario.model_json_schema()
+    print_json(found)

@@ -1,0 +1,204 @@
+"""The circuit as a picture, from the rig's own numbers: lengths, wave speeds and settings are read, not typed.
+
+Symbols follow ISO 1219 where it has one. The weight that waits on its support is that of the load-change scenario.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bridge.drawing.canvas import (
+    Axes,
+    Columns,
+    Sheet,
+    drawing,
+)
+from bridge.figures.circuit.symbols import (
+    INK,
+    OIL,
+    STEEL,
+    Points,
+    arrow,
+    box,
+    circle,
+    directional_valve,
+    dot,
+    fittings,
+    pipe,
+    shape,
+    spring,
+    tank,
+    text,
+    thin,
+)
+from bridge.scenario import load
+from twin.build import build
+from twin.circuit import ENDS, LINES, Circuit
+from twin.equilibrium import equilibrium, supply_at_rest
+from twin.pump import pump_flow
+from twin.rig import RUBBER, values
+
+STEP = 50e-6  # [s]
+DARK_HOSE, METAL, ACCENT, BLUSH = "#a85a10", "#8a97a5", "#b3261e", "#fdecea"
+ROUTES: tuple[Points, ...] = (  # of the six lines, in the direction of flow when the piston lifts
+    ((1.3, 2.75), (1.3, 3.7), (3.9, 3.7)),
+    ((3.9, 3.7), (8.9, 3.7), (8.9, 4.8)),
+    ((9.7, 5.9), (9.7, 6.45), (12.55, 6.45)),
+    ((12.55, 8.55), (8.9, 8.55), (8.9, 5.9)),
+    ((9.7, 4.8), (9.7, 2.2), (11.1, 2.2)),
+    ((11.1, 2.2), (13.3, 2.2), (13.3, 1.0)),
+)
+LABELS = ((1.45, 4.35), (6.75, 2.95), (11.05, 6.9), (10.75, 9.0), (8.6, 2.2), (11.95, 1.6))  # where each line is named
+HEADS = ((2.6, 3.7), (5.98, 3.7), (11.0, 6.45), (10.6, 8.55), (9.7, 3.4), (12.2, 2.2))  # where its flow is shown
+MARKS = ">>><v>"
+
+
+class LineData(NamedTuple):
+    """What is written beside a line."""
+
+    number: int
+    length: float  # [m]
+    speed: float  # a [m/s]
+    hose: bool
+
+    @property
+    def words(self) -> str:
+        """Kind, length, wave speed and travel time."""
+        kind, travel = "hose" if self.hose else "steel", 1e3 * self.length / self.speed
+        return f"line {self.number}: {kind}, {self.length:g} m\n{self.speed:.0f} m/s, {travel:.2f} ms"
+
+
+def rig_circuit() -> Circuit:
+    """The rig as it stands."""
+    return build(values(), STEP)
+
+
+def line_data() -> list[LineData]:
+    """The six lines, from the rig and from what was built of it."""
+    rig, circuit = values(), rig_circuit()
+    found = []
+    for number in range(1, LINES + 1):
+        entries = rig[f"pipe_{number}"]
+        speed = entries["length"] / float(circuit.lines.travel_time[number - 1])
+        found.append(LineData(number, entries["length"], speed, entries["young"] == RUBBER.value))
+    return found
+
+
+def circuit_columns() -> Columns:
+    """A row for each line end, in the order of the circuit's own; pressures at rest, the piston at 0.1 m."""
+    circuit, lines = rig_circuit(), [line for line in line_data() for _ in range(2)]
+    pressure = equilibrium(circuit, 0.1).ends.pressure
+    return {
+        "line [-]": np.array([float(line.number) for line in lines]),
+        "end [1 first; 2 second]": np.tile([1.0, 2.0], LINES),
+        "length [m]": np.array([line.length for line in lines]),
+        "kind [0 steel; 1 hose]": np.array([float(line.hose) for line in lines]),
+        "wave speed [m/s]": np.array([line.speed for line in lines]),
+        "travel time [s]": np.repeat(circuit.lines.travel_time, 2),
+        "impedance [Pa s/m^3]": np.repeat(circuit.lines.z0, 2),
+        "pressure at rest [Pa]": np.array(pressure[: len(ENDS)]),
+    }
+
+
+def draw_circuit() -> tuple[Columns, Sheet]:
+    """The whole picture."""
+    page, axes = drawing(11.4, 6.25, (0.2, 17.2, 0.35, 9.67))
+    for line, route, at in zip(line_data(), ROUTES, LABELS, strict=True):
+        pipe(axes, route, line.hose)
+        text(axes, *at, line.words, colour=DARK_HOSE if line.hose else STEEL)
+    for (x, y), mark in zip(HEADS, MARKS, strict=True):
+        axes.plot([x], [y], mark, color=INK, markersize=7.0, zorder=5)
+    _pump(axes)
+    _relief_valve(axes)
+    fittings(axes)
+    directional_valve(axes)
+    _cylinder(axes)
+    _weight(axes)
+    tank(axes, 13.3, 1.0)
+    dot(axes, 11.1, 2.2)
+    text(axes, 11.1, 2.55, "return tee")
+    _taps(axes)
+    _key(axes)
+    return circuit_columns(), page
+
+
+def _pump(axes: Axes) -> None:
+    """Suction from the tank, the pump, its speed and flow."""
+    rig, circuit = values(), rig_circuit()
+    at = rig["pump"]["efficiency_pressure"]
+    flow = 6e4 * pump_flow(at, 1.0, circuit.parts.pump)
+    tank(axes, 1.3, 1.0)
+    thin(axes, (1.3, 0.8), (1.3, 1.75))
+    circle(axes, 1.3, 2.25, 0.5)
+    shape(axes, ((1.1, 2.45), (1.5, 2.45), (1.3, 2.75)), INK)
+    words = f"gear pump\n{60.0 * rig['pump']['speed']:.0f} rpm\n{flow:.1f} l/min\nat {1e-5 * at:.0f} bar"
+    text(axes, 1.95, 2.25, words, ha="left", size=8.5)
+
+
+def _relief_valve(axes: Axes) -> None:
+    """Two stages: the main seat, and the pilot that opens it; set for all of the pump's flow."""
+    x, setting = 3.9, 1e-5 * values()["relief"]["setting"]
+    thin(axes, (x, 3.7), (x, 2.65))
+    box(axes, x - 0.4, 1.85, 0.8, 0.8)
+    arrow(axes, (x - 0.12, 2.6), (x - 0.12, 1.9))
+    thin(axes, (x, 1.85), (x, 0.8))
+    tank(axes, x, 1.0)
+    thin(axes, (x, 3.05), (x - 0.75, 3.05), (x - 0.75, 2.25), (x - 0.4, 2.25), dashed=True, width=1.1)
+    box(axes, x + 0.4, 2.03, 0.42, 0.44)
+    shape(axes, ((x + 0.74, 2.1), (x + 0.74, 2.4), (x + 0.46, 2.25)), INK)
+    spring(axes, x + 0.82, 2.25, 0.55)
+    arrow(axes, (x + 0.92, 1.98), (x + 1.3, 2.56))
+    text(axes, x + 0.6, 1.45, f"relief valve, two stages\nset to {setting:.0f} bar", ha="left", size=8.5)
+    dot(axes, x, 3.7)
+
+
+def _cylinder(axes: Axes) -> None:
+    """Barrel, piston, rod, and the load on it."""
+    rig = values()
+    bore, rod, stroke = (1e3 * rig["cylinder"][name] for name in ("bore", "rod", "stroke"))
+    box(axes, 12.55, 6.1, 1.5, 2.8, OIL)
+    box(axes, 12.55, 7.2, 1.5, 0.32, METAL)
+    box(axes, 13.1, 3.55, 0.4, 3.65, "#c9d1d9")
+    box(axes, 12.5, 2.95, 1.6, 0.6, METAL)
+    text(axes, 13.3, 3.25, f"{rig['load']['mass']:.0f} kg", colour="white", size=10.0)
+    words = f"cylinder, in mm:\nbore {bore:.0f}, rod {rod:.0f},\nstroke {stroke:.0f}"
+    text(axes, 14.25, 8.2, words, ha="left", size=8.5)
+    arrow(axes, (14.4, 6.25), (14.4, 7.2), ACCENT)
+    thin(axes, (14.05, 6.25), (14.55, 6.25), width=0.8)
+    thin(axes, (14.05, 7.2), (14.55, 7.2), width=0.8)
+
+
+def _weight(axes: Axes) -> None:
+    """A weight with room for the rod, waiting on its support; the load meets it from below."""
+    change = load("load-change").rig_values()["load"]
+    for x, support in ((12.35, 12.0), (13.6, 14.25)):
+        box(axes, x, 4.55, 0.65, 0.55, "#e3c9a0")
+        box(axes, support, 4.35, 0.4, 0.2, "white", hatch="////")
+    thin(axes, (12.0, 4.25), (12.0, 4.65), width=2.0)
+    thin(axes, (14.65, 4.25), (14.65, 4.65), width=2.0)
+    words = f"{change['added']:.0f} kg on a support:\nload change at {1e3 * change['added_at']:.0f} mm"
+    text(axes, 14.45, 5.05, words, ha="left", size=8.5)
+
+
+def _taps(axes: Axes) -> None:
+    for x, y, name, foot in ((3.9, 4.75, "$p_1$", 3.7), (11.95, 5.55, "$p_2$", 6.45), (11.95, 7.75, "$p_3$", 8.55)):
+        thin(axes, (x, y + math.copysign(0.32, foot - y)), (x, foot), width=1.0)
+        circle(axes, x, y, 0.32, BLUSH)
+        text(axes, x, y, name, ACCENT, 10.5)
+    text(axes, 14.7, 6.75, "$x$", ACCENT, 11.0)
+
+
+def _key(axes: Axes) -> None:
+    for y, hose, words in ((9.1, False, "steel pipe"), (8.65, True, "hose")):
+        pipe(axes, ((0.5, y), (1.4, y)), hose)
+        text(axes, 1.6, y, words, ha="left")
+    circle(axes, 0.95, 8.1, 0.22, BLUSH)
+    text(axes, 1.6, 8.1, "pressure tap", ha="left")
+    supply = supply_at_rest(rig_circuit())
+    for y, words in (
+        (7.5, "arrowheads: flow while the piston rises"),
+        (7.2, "beside each line: length, wave speed, travel time"),
+        (6.9, f"at rest, valve shut: $p_1$ = {1e-5 * supply.tee:.1f} bar"),
+    ):
+        text(axes, 0.5, y, words, ha="left", size=8.5, colour="0.35")

@@ -1,0 +1,150 @@
+"""Figures 5.20 and 5.21: the critical gain of the rig over the sampling interval, computed and found on the twin.
+
+Source: 5.7. Gains in V per % of the stroke, sampling intervals of 20 ms to 1 s. The source looked for the gain at
+which its rig began to oscillate and found two: below one it never did, above the other always; between them start and
+direction decided. The twin is asked in the same way: held at 100 mm, steps of two sizes up and down.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from bridge.drawing.canvas import (
+    Array,
+    Columns,
+    Sheet,
+    label,
+    remark,
+    sheet,
+)
+from bridge.scenario import Scenario, load
+from bridge.studies.stability.edges import edge_points, measured_edges, theory_edges
+from bridge.studies.stability.rig_loop import timing_of
+from bridge.studies.stability.rig_plant import POINTS, plants
+from bridge.studies.sweep.engine import ALL_CORES, Crew
+from controller.law import volts_per_percent
+
+SHORTEST, LONGEST = 20e-3, 1.0  # [s]
+PLACES = 160  # of the computed edge
+INTERVALS = (0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0)  # [s], of the measured one
+SIZES = (2e-3, -2e-3, 20e-3, -20e-3)  # [m], of the steps
+BLUE, RED, GREY, GREEN = "#2a6fbb", "#c8413b", "#8a8f98", "#3a9150"
+COLOURS = {"rest": GREEN, "up": BLUE, "down": RED}
+WORDS = {"rest": "about rest", "up": "about slow motion up", "down": "about slow motion down"}
+
+
+def rig(changes: Sequence[str] = ()) -> Scenario:
+    """The rig under a proportional controller that jumps the overlap and acts without delay."""
+    return load("step", ["loop.delay=0.0", "loop.sample_period=0.1", *changes])
+
+
+def computed(intervals: Array, scenario: Scenario) -> dict[str, tuple[Array, Array]]:
+    """For each point of the rig, critical gains [V/%] and frequencies [Hz] at sampling intervals [s]."""
+    found, timing = plants(scenario), timing_of(scenario)
+    rows = [theory_edges(found, timing._replace(period=t), 0.0) for t in intervals.tolist()]
+    return {
+        name: (
+            np.array([_volts(row[name][0], scenario) for row in rows]),
+            np.array([row[name][2] for row in rows]),
+        )
+        for name in POINTS
+        if name in found
+    }
+
+
+def draw_computed() -> tuple[Columns, Sheet]:
+    """Figure 5.20."""
+    scenario, intervals = rig(), np.geomspace(SHORTEST, LONGEST, PLACES)
+    edges = computed(intervals, scenario)
+    columns: Columns = {"sampling interval [s]": intervals}
+    for name, (gain, frequency) in edges.items():
+        columns |= {f"critical gain {WORDS[name]} [V/%]": gain, f"frequency {WORDS[name]} [Hz]": frequency}
+    page, (left, right) = sheet("Critical gain over the sampling interval, computed", 2)
+    _draw_theory(left, right, intervals, edges)
+    left.fill_between(intervals, 0.0, np.min([e[0] for e in edges.values()], axis=0), color=GREEN, alpha=0.1)
+    left.text(0.025, 0.1, "stable", color=GREEN)
+    _finish(left, right)
+    remark(
+        page,
+        "Linear theory of the rig with hold, without friction: lumped lines, steady relief valve, 120 kg at 100 mm.",
+    )
+    return columns, page
+
+
+def measured(intervals: Sequence[float], sizes: Sequence[float], scenario: Scenario, crew: Crew = ALL_CORES) -> Columns:
+    """Where the twin never, and where it always oscillates [V/%], and how fast [Hz]; an interval a row."""
+    points = edge_points(intervals, sizes=sizes, tolerance=0.03)
+    found = measured_edges(scenario, points, "figure 5.21", crew=crew)
+    rows = [found[k : k + len(sizes)] for k in range(0, len(found), len(sizes))]
+    stable = [min(_known(edge["stable"]) for edge in row) for row in rows]
+    unstable = [max(_known(edge["unstable"]) for edge in row) for row in rows]
+    columns: Columns = {
+        "sampling interval [s]": np.array(intervals),
+        "never oscillates below [V/%]": np.array([_volts(g, scenario) for g in stable]),
+        "always oscillates above [V/%]": np.array([_volts(g, scenario) for g in unstable]),
+    }
+    for i, size in enumerate(sizes):
+        name = f"step of {size * 1e3:+g} mm"
+        columns[f"{name}: critical gain [V/%]"] = np.array(
+            [_volts(np.sqrt(_known(row[i]["stable"]) * _known(row[i]["unstable"])), scenario) for row in rows]
+        )
+        columns[f"{name}: frequency [Hz]"] = np.array([_known(row[i]["frequency"]) for row in rows])
+    return columns
+
+
+def draw_measured() -> tuple[Columns, Sheet]:
+    """Figure 5.21."""
+    scenario = rig()
+    columns = measured(INTERVALS, SIZES, scenario)
+    times, low, high = list(columns.values())[:3]
+    page, (left, right) = sheet("Critical gain over the sampling interval, found on the twin", 2)
+    smooth = np.geomspace(SHORTEST, LONGEST, PLACES // 4)
+    _draw_theory(left, right, smooth, computed(smooth, scenario), faint=True)
+    left.fill_between(times, low, high, color=GREY, alpha=0.35, label="undecided: start and direction decide")
+    left.plot(times, low, "o-", color=BLUE, markersize=4, label="never oscillates below")
+    left.plot(times, high, "o-", color=RED, markersize=4, label="always oscillates above")
+    for size, marker in zip(SIZES, "^v<>", strict=True):
+        name = f"step of {size * 1e3:+g} mm"
+        share = 2.0 * times * columns[f"{name}: frequency [Hz]"]
+        share = np.where(share > 0.0, share, np.nan)  # too irregular to have one
+        right.plot(times, share, marker, color="0.25", markersize=5, fillstyle="none", label=f"twin, {name}")
+    _finish(left, right)
+    remark(
+        page,
+        "Full twin, overlap jumped; thin lines: linear theory. Steps of 2 and 20 mm, up and down.",
+    )
+    return columns, page
+
+
+def _draw_theory(
+    left: Any, right: Any, times: Array, edges: dict[str, tuple[Array, Array]], faint: bool = False
+) -> None:
+    style: dict[str, Any] = {"linewidth": 0.9, "linestyle": "--", "alpha": 0.8} if faint else {"linewidth": 1.6}
+    for name, (gain, frequency) in edges.items():
+        words = f"theory {WORDS[name]}" if faint else WORDS[name]
+        left.plot(times, gain, color=COLOURS[name], label=words, **style)
+        right.plot(times, 2.0 * times * frequency, color=COLOURS[name], **style)
+
+
+def _finish(left: Any, right: Any) -> None:
+    label(left, "sampling interval t_s [s]", "proportional gain S [V/%]")
+    label(right, "sampling interval t_s [s]", "frequency / half the sampling frequency")
+    for axes in (left, right):
+        axes.set(xscale="log", xlim=(0.95 * SHORTEST, 1.05 * LONGEST))
+        axes.set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1.0], labels=["0.02", "0.05", "0.1", "0.2", "0.5", "1"])
+        axes.minorticks_off()
+    left.set_yscale("log")
+    left.set_yticks([0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10], labels=["0.05", "0.1", "0.2", "0.5", "1", "2", "5", "10"])
+    right.set_ylim(0.0, 1.1)
+    left.legend(fontsize=8, frameon=False)
+    if right.get_legend_handles_labels()[0]:
+        right.legend(fontsize=8, frameon=False, loc="lower right")
+
+
+def _known(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+def _volts(gain: float, scenario: Scenario) -> float:
+    return volts_per_percent(float(gain), scenario.rig.cylinder.stroke, scenario.rig.valve.full_scale)

@@ -1,0 +1,154 @@
+"""A chart of stability as picture, table and page."""
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bridge.drawing.html import text
+from bridge.studies.stability.chart import Chart
+from bridge.studies.stability.chart_page import PAGE
+from controller.stability.parting import CAUSES
+
+COLOURS = ("#cfe3d4", "#f6d9a8", "#eeb08f", "#d98a86", "#b9677c")  # none, one, two .. multipliers not inside
+GOOD, BAD, RING = "#1f6b39", "#a3231f", "#1c2430"
+RINGS = {"hard": "o", "saturated": "s", "slow": "v", "damped": "^", "unexplained": "p"}
+
+
+class Run(NamedTuple):
+    """One run laid over a chart."""
+
+    x: float
+    y: float
+    oscillates: bool
+    frequency: float  # [Hz], or rad a unit of time
+    amplitude: float  # [m], or chamber lengths
+    saturated: float | None  # share of samples that found the valve at its limit; None: not asked
+    cause: str | None  # why it parts from theory, of CAUSES; "": it does not; None: not asked
+
+
+class Overlay(NamedTuple):
+    """Runs laid over a chart, and what they are runs of."""
+
+    runs: Sequence[Run]
+    words: str
+    units: tuple[str, str]  # of frequency and amplitude
+
+
+NOTHING = Overlay((), "", ("", ""))
+
+
+def write(chart: Chart, overlay: Overlay, base: Path) -> list[Path]:
+    """BASE.png, BASE.csv, BASE.html; and BASE-runs.csv where there are runs."""
+    base.parent.mkdir(parents=True, exist_ok=True)
+    picture, table, page = (base.with_name(f"{base.name}.{end}") for end in ("png", "csv", "html"))
+    draw(chart, overlay).savefig(picture)
+    x, y = np.meshgrid(chart.x, chart.y)
+    columns = {chart.labels[0]: x, chart.labels[1]: y, "stable multipliers": chart.total - chart.outside}
+    columns |= {
+        "of": chart.total,
+        "not inside": chart.outside,
+        "largest less 1": chart.excess,
+        "angle [rad]": chart.angle,
+    }
+    _table(table, columns)
+    page.write_text(html(chart, overlay), encoding="utf-8")
+    if not overlay.runs:
+        return [picture, table, page]
+    beside = base.with_name(f"{base.name}-runs.csv")
+    names = (*chart.labels, *Run._fields[2:])
+    asked = {
+        name: column for name, column in zip(names, zip(*overlay.runs, strict=True), strict=True) if None not in column
+    }
+    _table(beside, {name: np.array(column) for name, column in asked.items()})
+    return [picture, table, page, beside]
+
+
+def _table(path: Path, columns: dict[str, Any]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(columns)
+        rows.writerows(map(_cell, row) for row in zip(*(c.ravel() for c in columns.values()), strict=True))
+
+
+def _cell(value: Any) -> str:
+    return str(value) if isinstance(value, str) else f"{value:.9g}"
+
+
+def draw(chart: Chart, overlay: Overlay) -> Any:
+    """A matplotlib figure."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    from bridge.drawing.canvas import label, remark, sheet
+
+    page, (axes,) = sheet(f"Stability of the sampled loop: {chart.about}")
+    counted, colours = np.minimum(chart.outside, len(COLOURS) - 1), ListedColormap(COLOURS)
+    norm = BoundaryNorm(np.arange(len(COLOURS) + 1) - 0.5, len(COLOURS))
+    axes.pcolormesh(chart.x, chart.y, counted, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+    if counted.min() == 0 < counted.max():
+        axes.contour(chart.x, chart.y, counted > 0, levels=[0.5], colors=GOOD, linewidths=1.6)
+    keys: list[Any] = [Patch(color=COLOURS[n], label=_outside_words(n)) for n in np.unique(counted).tolist()]
+    keys += _marks(axes, overlay.runs)
+    label(axes, *chart.labels)
+    axes.set(xlim=(chart.x[0], chart.x[-1]), ylim=(chart.y[0], chart.y[-1]))
+    axes.legend(handles=keys, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    about = f" Marks: {overlay.words}." if overlay.runs else ""
+    remark(page, f"Colours and line: linear theory.{about}".replace(". A run", ".\nA run"))
+    return page
+
+
+def _marks(axes: Any, runs: Sequence[Run]) -> list[Any]:
+    """Draw the runs; what the legend needs."""
+    kinds = [("run dies away", GOOD, "o", [run for run in runs if not run.oscillates])]
+    kinds += [("run oscillates", BAD, "x", [run for run in runs if run.oscillates and not run.saturated])]
+    kinds += [
+        ("run oscillates, valve at its limit", BAD, "P", [run for run in runs if run.oscillates and run.saturated])
+    ]
+    for cause in sorted({run.cause for run in runs if run.cause}):
+        kinds += [(f"parts from theory: {cause}", RING, RINGS[cause], [run for run in runs if run.cause == cause])]
+    keys = []
+    for words, colour, marker, chosen in kinds:
+        if chosen:
+            ring = {"markersize": 9, "fillstyle": "none"} if colour == RING else {"markersize": 4}
+            across, up = [run.x for run in chosen], [run.y for run in chosen]
+            keys.append(axes.plot(across, up, marker, color=colour, linestyle="", label=words, **ring)[0])
+    return keys
+
+
+def _outside_words(count: int) -> str:
+    more = " or more" if count == len(COLOURS) - 1 else ""
+    return "stable: all multipliers inside" if count == 0 else f"{count}{more} on or outside the unit circle"
+
+
+def html(chart: Chart, overlay: Overlay) -> str:
+    """A page that needs nothing else, with a readout under the pointer."""
+    data = {
+        "x": chart.x.tolist(),
+        "y": chart.y.tolist(),
+        "labels": chart.labels,
+        "outside": chart.outside.tolist(),
+        "total": chart.total.tolist(),
+        "size": np.round(chart.excess + 1.0, 6).tolist(),
+        "angle": np.round(chart.angle, 6).tolist(),
+        "runs": [[run.x, run.y, int(run.oscillates), _run_words(run, overlay.units)] for run in overlay.runs],
+        "parted": [int(bool(run.cause)) for run in overlay.runs],
+        "colours": COLOURS,
+        "words": [_outside_words(n) for n in range(len(COLOURS))],
+    }
+    marks = (
+        f"Dots die away, crosses oscillate: {overlay.words}. In a ring: run and theory part; point there for the cause."
+    )
+    page = PAGE.replace("@TITLE@", text(f"Stability of the sampled loop: {chart.about}"))
+    page = page.replace("@RUNS@", text(marks) if overlay.runs else "")
+    return page.replace("@DATA@", json.dumps(data).replace("</", "<\\/"))
+
+
+def _run_words(run: Run, units: tuple[str, str]) -> str:
+    swing = f"oscillates at {run.frequency:.4g} {units[0]}, amplitude {run.amplitude:.3g} {units[1]}"
+    swing = swing if run.oscillates else "dies away"
+    limit = f", the valve at its limit for {100.0 * run.saturated:.0f} % of the samples" if run.saturated else ""
+    return f"{swing}{limit}{f'. It parts from theory: {CAUSES[run.cause]}' if run.cause else ''}"

@@ -1,0 +1,112 @@
+"""From what a person asks for to a chart of stability and its files."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge.scenario import load
+from bridge.studies.stability.actuator_runs import OWN, actuator_runs
+from bridge.studies.stability.chart import (
+    AXES,
+    RANGES,
+    Family,
+    OfRig,
+    Plainly,
+    chart,
+)
+from bridge.studies.stability.chart_drawing import NOTHING, write
+from bridge.studies.stability.twin_runs import twin_runs
+from bridge.studies.sweep.engine import Crew
+
+AROUND = {"gain": (0.0, 4.0), "derivative": (0.0, 4.0), "period": (0.2, 5.0), "delay": (0.0, 5.0)}  # of the rig's own
+DAMPINGS = (0.0, 2000.0)  # [N s/m]
+LEAST = {"gain": 1.0, "derivative": 0.02, "period": 20.0, "delay": 20.0}  # what stands in for 0, rig units
+
+
+class Wanted(NamedTuple):
+    """A chart, as asked for."""
+
+    across: str
+    up: str
+    x: str | None  # LOW:HIGH
+    y: str | None
+    rig: str | None  # a scenario
+    about: str  # point of the rig
+    changes: tuple[str, ...]  # of the scenario
+    fixed: tuple[str, ...]  # NAME=NUMBER
+    cells: int  # a side
+    runs: int  # a side
+    simulate: bool  # run the dimensionless actuator
+    derivative: str  # of the dimensionless controller
+    filter_time: float | None  # [sampling periods], of "filtered"
+
+
+def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> list[Path]:
+    """Compute, run, write. Raises ValueError or ScenarioError that says what would do."""
+    scenario = None if wanted.rig is None else load(wanted.rig, list(wanted.changes))
+    if scenario is None and (wanted.changes or wanted.about):
+        raise ValueError("--set and --about are of a scenario's rig; name one with --rig, or use --at NAME=NUMBER")
+    if scenario is not None and (wanted.simulate or wanted.derivative != "measured"):
+        raise ValueError(
+            "--simulate and --derivative are of the dimensionless actuator; with --rig runs are of the twin, and its "
+            "controller is set by --set controller.velocity"
+        )
+    if (wanted.derivative == "filtered") != (wanted.filter_time is not None):
+        raise ValueError("--derivative filtered and --filter-time, in sampling periods, go together")
+    plain = Plainly({}, wanted.derivative, wanted.filter_time or 0.0)
+    family: Family = plain if scenario is None else OfRig(scenario, wanted.about)
+    given = numbers(wanted.fixed, [*family.numbers, *(OWN if wanted.simulate else ())])
+    family.numbers |= given
+    x, y = (span(axis, text, family, wanted.cells) for axis, text in ((wanted.across, wanted.x), (wanted.up, wanted.y)))
+    drawn = chart(family, wanted.across, wanted.up, x, y)
+    places = [(a, b) for a in inner(x, wanted.runs) for b in inner(y, wanted.runs)]
+    part, crew = output.with_name(f"{output.name}.part"), Crew(workers, scheduler)
+    overlay = NOTHING
+    if scenario is not None and places:
+        overlay = twin_runs(scenario, wanted.across, wanted.up, places, part, crew)
+    elif wanted.simulate and places:
+        overlay = actuator_runs(plain, wanted.across, wanted.up, places, part, crew)
+    return write(drawn, overlay, output)
+
+
+def numbers(fixed: tuple[str, ...], known: list[str]) -> dict[str, float]:
+    """NAME=NUMBER, read. Raises ValueError for another name or no number."""
+    found = {}
+    for entry in fixed:
+        name, sign, value = entry.partition("=")
+        if name not in known or not sign:
+            raise ValueError(f"--at {entry!r}: write NAME=NUMBER with one of {', '.join(known)}")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            raise ValueError(f"--at {entry!r}: {value!r} is no number") from None
+    return found
+
+
+def span(axis: str, text: str | None, family: Family, cells: int) -> NDArray[np.float64]:
+    """Values along an axis: from LOW:HIGH, or around what the loop has."""
+    if axis not in AXES:
+        raise ValueError(f"axis {axis!r} is none of {', '.join(AXES)}")
+    if text is not None:
+        low, _, high = text.partition(":")
+        try:
+            low_end, high_end = float(low), float(high)
+        except ValueError:
+            raise ValueError(f"range {text!r} of {axis}: write LOW:HIGH, two numbers") from None
+    elif isinstance(family, OfRig):
+        own = family.numbers[axis] or LEAST.get(axis, 0.0)
+        around = AROUND.get(axis)
+        low_end, high_end = (own * around[0], own * around[1]) if around else DAMPINGS
+    else:
+        low_end, high_end = RANGES[axis]
+    if not 0.0 <= low_end < high_end or (axis == "period" and low_end == 0.0):
+        least = "above 0" if axis == "period" else "at 0 or more"
+        raise ValueError(f"range {low_end:g} to {high_end:g} of {axis}: it must rise, and start {least}")
+    return np.linspace(low_end, high_end, cells)
+
+
+def inner(values: NDArray[np.float64], count: int) -> list[float]:
+    """So many even places between the ends."""
+    return [float(v) for v in np.linspace(values[0], values[-1], count + 2)[1:-1]]

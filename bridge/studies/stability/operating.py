@@ -1,0 +1,84 @@
+"""Where a run stands among the stable gains of its own loop, and whether it swung as the theory says."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge.loop.controller import gains
+from bridge.scenario import Scenario, ScenarioError
+from bridge.studies.stability.advice import WORDS, plants_of, verdict
+from bridge.studies.stability.rig_loop import (
+    edge_of,
+    loop_of,
+    named,
+    timing_of,
+)
+from controller.law import volts_per_percent
+from controller.stability import closed, dominant, is_stable, loop_onset
+
+ROUND = (0.2, 5.0)  # of the own sampling interval, what the chart spans
+PLACES = 15
+
+
+def operating_point(scenario: Scenario, metrics: dict[str, Any]) -> dict[str, Any] | None:
+    """Plain data for a run's summary; None for a loop that the theory does not know."""
+    try:
+        found = plants_of(scenario)
+    except ScenarioError:
+        return None
+    own, timing = gains(scenario), timing_of(scenario)
+    points = {}
+    for name, point in found.items():
+        loop = loop_of(point.plant(), timing)
+        edge = named(loop_onset(loop, own.derivative), timing)
+        points[name] = {
+            "critical_gain": _volts(edge.gain, scenario),
+            "frequency": edge.frequency,
+            "stable": bool(is_stable(closed(loop, own.proportional, own.derivative))),
+            "swing_frequency": named(dominant(loop, own.proportional, own.derivative), timing).frequency,
+        }
+    return {
+        "gain": _volts(own.proportional, scenario),
+        "sample_period": timing.period,
+        "delay": timing.delay,
+        "verdict": verdict(points),
+        "points": points,
+        "found_frequency": metrics.get("limit_cycle_frequency"),
+        "found_amplitude": metrics.get("limit_cycle_amplitude"),
+    }
+
+
+def sentences(at: dict[str, Any]) -> list[str]:
+    """An operating point in words."""
+    criticals = [point["critical_gain"] for point in at["points"].values()]
+    predicted = [point["swing_frequency"] for point in at["points"].values() if not point["stable"]]
+    found = at["found_frequency"]
+    lines = [
+        f"{at['gain']:.3g} V/% at {at['sample_period'] * 1e3:g} ms and {at['delay'] * 1e3:g} ms delay; critical "
+        f"{_stretch(criticals)} V/% by the linear theory: {WORDS[at['verdict']]}"
+    ]
+    swing = f"{found:.3g} Hz, {at['found_amplitude'] * 1e3:.3g} mm" if found else "none"
+    expected = f"{_stretch(predicted)} Hz" if predicted else "none"
+    return [*lines, f"oscillation predicted: {expected}; found: {swing}"]
+
+
+def _stretch(values: Sequence[float]) -> str:
+    low, high = f"{min(values):.3g}", f"{max(values):.3g}"
+    return low if low == high else f"{low} to {high}"
+
+
+def edge_curves(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Sampling intervals [s] around the run's own, and the least and greatest critical gain [V/%] at each, (n, 2)."""
+    found, own, timing = plants_of(scenario), gains(scenario), timing_of(scenario)
+    intervals = timing.period * np.geomspace(*ROUND, PLACES)
+    rows = [
+        [edge_of(point.plant(), timing._replace(period=t), own.derivative).gain for point in found.values()]
+        for t in intervals.tolist()
+    ]
+    return intervals, np.array([[_volts(min(row), scenario), _volts(max(row), scenario)] for row in rows])
+
+
+def _volts(gain: float, scenario: Scenario) -> float:
+    return volts_per_percent(gain, scenario.rig.cylinder.stroke, scenario.rig.valve.full_scale)

@@ -1,0 +1,86 @@
+"""One run as it comes in: batches of messages onto a Rerun stream."""
+
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bridge.recording.frames import Frames, frames
+from bridge.recording.reader import Entry, Recording, recording
+from bridge.recording.words import LINE_ENDS
+from bridge.view import length_time
+from bridge.view.content import begin, scene_of, send_curve, send_events
+from bridge.view.curves import CURVES, LIVE, samples
+from bridge.view.inbox import WATCHED
+from bridge.view.layout import layout
+from bridge.view.rig.motion import move
+from bridge.view.rig.scene import stand
+from controller.sampling import NS
+
+SPAN = 10.0  # [s], of the maps and curves
+REDRAWN = 0.25  # [s] of simulated time, from map to map
+
+
+class Drawing:
+    """A stream that a run is drawn on."""
+
+    def __init__(self, stream: Any, manifest: dict[str, Any], bare: bool) -> None:
+        self.stream = stream
+        self.run_id = int(manifest["run_id"])
+        self.seconds = 0.0  # simulated time drawn
+        self.over = False  # the plant has said that the run has ended
+        self._head = recording(Path("live"), [], {"run": manifest})
+        scenario = self._head.scenario()
+        self._scene = scene_of(scenario)
+        self._profiles: deque[Any] = deque(maxlen=max(2, round(SPAN / scenario.loop.viewer_period)))
+        self._states: list[Entry] = []
+        self._drawn = -REDRAWN
+        self._begin(manifest["mode"] == "realtime", bare)
+
+    def _begin(self, wall: bool, bare: bool) -> None:
+        topics = {*WATCHED} if wall else {*WATCHED} - {"timing"}
+        shown = {curve.picture for curve in CURVES if curve.topic in topics}
+        self.stream.send_blueprint(layout(shown, LIVE, follow=SPAN, bare=bare))
+        begin(self.stream, self._head)
+        stand(self.stream, self._scene)
+        for pipe, described in enumerate(self._scene.pipes):
+            ends = LINE_ENDS[pipe]
+            length_time.frame(self.stream, pipe, described.length, -SPAN, 0.0, "time before now [s]", ends)
+
+    def add(self, entries: list[Entry]) -> None:
+        """Draw a batch."""
+        batch = recording(self._head.path, entries, {})
+        self._draw_curves(batch)
+        send_events(self.stream, batch)
+        self.over = self.over or any(event.kind == "ended" for event in batch.messages("event"))
+        self._draw_rig(entries)
+
+    def _draw_curves(self, batch: Recording) -> None:
+        columns = {topic: batch.columns(topic) for topic in {curve.topic for curve in CURVES} & set(batch.counts)}
+        for curve in CURVES:
+            if curve.topic in columns:
+                stamps, values = samples(curve, columns[curve.topic])
+                if len(stamps):
+                    send_curve(self.stream, curve, stamps, values)
+        if "state" in columns:
+            self.seconds = float(columns["state"]["stamp"][-1]) / NS
+
+    def _draw_rig(self, entries: list[Entry]) -> None:
+        """Frames need a profile and the state of its tick, which may have come with the batch before."""
+        states, lines = ([e for e in entries if e.topic == topic] for topic in ("state", "lines"))
+        if lines:
+            shown = frames(recording(self._head.path, [*self._states, *states, *lines], {}))
+            move(self.stream, self._scene, shown)
+            self._draw_maps(shown)
+        self._states = states or self._states
+
+    def _draw_maps(self, shown: Frames) -> None:
+        self._profiles.extend(shown.pressure)
+        if self.seconds - self._drawn < REDRAWN or len(self._profiles) < 2:
+            return
+        self._drawn = self.seconds
+        missing = (self._profiles.maxlen or 0) - len(self._profiles)
+        history = np.stack([*[np.full_like(self._profiles[0], np.nan)] * missing, *self._profiles])
+        for pipe in range(history.shape[1]):
+            length_time.draw(self.stream, pipe, history[:, pipe])

@@ -1,0 +1,83 @@
+"""A recording in Rerun's viewer: a window, a page for a browser, a picture, or a file."""
+
+import signal
+from pathlib import Path
+
+from bridge.errors import ScenarioError
+from bridge.recording.reader import Recording, read
+from bridge.view.content import APPLICATION, send, write
+from bridge.view.rerun_program import (
+    Program,
+    connected,
+    require_rerun,
+    server,
+    window,
+)
+from bridge.view.screenshot import screenshot
+from controller.sampling import NS
+
+SHARE = 0.35  # of the run: where a picture is taken unless somebody says when
+
+
+def show(
+    file: Path, web: bool = False, save: Path | None = None, picture: Path | None = None, at: float = -1.0
+) -> None:
+    """Show a recording in Rerun, serve it to a browser until Ctrl-C, or write it or a picture of it and open nothing.
+
+    at: the time [s] of the picture; negative for one of our choice.
+    """
+    if web + (save is not None) + (picture is not None) > 1:
+        raise ScenarioError("--web serves a recording, --save and --screenshot write a file: choose one")
+    require_rerun()
+    recording = readable(file)
+    if save:
+        write(recording, save)
+    elif picture:
+        screenshot(picture, lambda program: _fill(program, recording, at))
+    elif web:
+        _serve(recording)
+    else:
+        _open(recording)
+
+
+def readable(file: Path) -> Recording:
+    """A recording with something to show."""
+    recording = read(file)
+    if not any(True for _ in recording.of("state")):
+        raise ScenarioError(f"{file}: the recording holds no state of a plant, so there is nothing to show")
+    return recording
+
+
+def _fill(program: Program, recording: Recording, at: float) -> float:
+    send(connected(program, APPLICATION), recording, bare=True)
+    stamps = recording.columns("state")["stamp"]
+    return at if at >= 0.0 else SHARE * float(stamps[-1]) / NS
+
+
+def _open(recording: Recording) -> None:
+    """A window of its own; returns when it is closed."""
+    with window() as program:
+        try:
+            send(connected(program, APPLICATION), recording)
+            failed = program.process.wait()
+        except KeyboardInterrupt:
+            return
+    if failed:
+        raise ScenarioError("Rerun's window did not open; use --web for a browser, or --save FILE.rrd")
+
+
+def _serve(recording: Recording) -> None:
+    """A page on free ports of loopback, until Ctrl-C or SIGTERM.
+
+    The recording is sent to the server: given a file to load, it would keep a core busy for as long as it runs.
+    """
+    for ending in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(ending, signal.default_int_handler)
+    try:
+        with server() as program:
+            send(connected(program, APPLICATION), recording)
+            print(f"{program.address}\nCtrl-C ends it", flush=True)
+            program.process.wait()
+    except KeyboardInterrupt:
+        return
+    raise ScenarioError("Rerun's web server ended by itself")
