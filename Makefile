@@ -35,10 +35,10 @@ endurance: $(READY)  ## the long trials
 	$(BIN)/python -m pytest -q -m endurance
 
 recordings: $(READY)  ## renew the golden recordings; say in the change what moved and why
-	$(BIN)/python -m recordings.renew
+	$(BIN)/python -m tests.tools.renew
 
 pictures: $(READY)  ## renew the pictures of report and view; needs chromium, chromium-driver, mesa-vulkan-drivers
-	$(BIN)/python -m recordings.pictures
+	$(BIN)/python -m tests.tools.pictures
 
 lock: $(READY)  ## pin what pyproject.toml asks for; the file holds no addresses
 	$(BIN)/python -m pip install --quiet uv

@@ -16,8 +16,8 @@ TIMED = ("foreign_controller", "loop", "network", "processes", "recorder", "repl
 
 def main() -> int:
     """0 if all passed."""
-    timed = sorted(str(FOLDER / f"test_{name}.py") for name in TIMED)
-    others = sorted(str(path) for path in FOLDER.glob("test_*.py") if str(path) not in timed)
+    timed = sorted(str(FOLDER / "bridge" / f"test_{name}.py") for name in TIMED)
+    others = sorted(str(path) for path in FOLDER.rglob("test_*.py") if str(path) not in timed)
     with tempfile.TemporaryFile("w+") as words:
         halves = [_pytest(others[0::2]), _pytest(others[1::2], words)]
         try:

@@ -1,8 +1,7 @@
 """The application that the verbs register with, and options that several share."""
 
 import json
-from enum import StrEnum
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -16,27 +15,6 @@ Exit codes: 0 good, 1 the run or a check failed, 2 wrong use.
 app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode="rich", pretty_exceptions_enable=False)
 
 
-class Mode(StrEnum):
-    """What paces the loop."""
-
-    inprocess = "inprocess"
-    lockstep = "lockstep"
-    realtime = "realtime"
-
-
-class ProcessMode(StrEnum):
-    """What paces a process of the loop."""
-
-    lockstep = "lockstep"
-    realtime = "realtime"
-
-
-SCENARIO = Annotated[str, typer.Argument(help="Name of a built-in scenario, or a TOML file.")]
-CHANGES = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change a value of the scenario: controller.gain=0.4. Repeatable."),
-]
-AS_JSON = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 RUN, PROCESSES, LOOK = "Run", "Processes", "Look"
 
 

@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, print_json
+from bridge.cli.app import print_json
+from bridge.cli.options import AS_JSON
 
 
 def line(
@@ -46,7 +47,7 @@ def line(
     as_json: AS_JSON = False,
 ) -> None:
     """Simulate waves in one pipe by any scheme, beside the exact line: line.png, line.csv and what they say."""
-    from bridge.cli.printing import print_table
+    from bridge.cli.tables import print_table
     from bridge.studies.line.case import Request
     from bridge.studies.line.study import facts, study, write
 

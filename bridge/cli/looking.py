@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, print_json
-from bridge.cli.processes import CONFIG, CONNECT
+from bridge.cli.app import print_json
+from bridge.cli.options import AS_JSON, CONFIG, CONNECT
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 SHOWN = Annotated[

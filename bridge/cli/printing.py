@@ -1,27 +1,19 @@
 """Tables for people: the summary of a run, the verdicts of checks."""
 
-import sys
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.table import Table
 
+from bridge.cli.app import print_json
+from bridge.cli.tables import print_table
+from bridge.recording.info import plain
 from bridge.runs.check import CheckResult
 from bridge.runs.run import Outcome
 from bridge.scenario.bands import METRICS, value_with_unit
 
-UNFOLDED = 200  # columns, where nobody's window is to be kept to
-
-
-def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """A plain table on standard output."""
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    for header in headers:
-        table.add_column(header, overflow="fold")
-    for row in rows:
-        table.add_row(*row)
-    Console(width=None if sys.stdout.isatty() else UNFOLDED).print(table)
+if TYPE_CHECKING:
+    from bridge.recording.compare import Difference
 
 
 def print_summary(outcome: Outcome) -> None:
@@ -87,3 +79,81 @@ def print_checks(results: list[CheckResult]) -> None:
         rows += [(result.scenario.name, note, "", "[yellow]note[/yellow]") for note in result.notes]
         rows += [(result.scenario.name, fault, "", "[red]FAILED[/red]") for fault in result.faults]
     print_table(("scenario", "expected", "found", ""), rows)
+
+
+def print_differences(found: "list[Difference]", as_json: bool, further: dict[str, Any] | None = None) -> None:
+    """The table of a comparison."""
+    from bridge.cli.tables import print_table
+
+    if as_json:
+        plain = [{k: None if v != v else v for k, v in difference._asdict().items()} for difference in found]
+        print_json({"signals": plain, "passed": all(d.passed for d in found), **(further or {})})
+        return
+    print_table(
+        ("signal", "greatest", "at", "rms", "first beyond", "allowed", "instants", "alone", ""), map(_row, found)
+    )
+
+
+def _row(d: "Difference") -> tuple[str, ...]:
+    def time(value: float | None) -> str:
+        return "-" if value is None else f"{value:.6g} s"
+
+    mark = "[green]same[/green]" if d.passed and d.greatest == 0.0 else "[green]within[/green]"
+    return (
+        d.signal,
+        f"{d.greatest:.4g} {d.unit}",
+        time(d.at),
+        f"{d.rms:.3g} {d.unit}",
+        time(d.first),
+        f"{d.tolerance:g} {d.unit}",
+        str(d.instants),
+        str(d.alone),
+        mark if d.passed else "[red]DIFFERS[/red]",
+    )
+
+
+EVENTS = 20  # events that are shown; --json gives all
+
+
+def print_info(found: dict[str, Any]) -> None:
+    """Facts, channels, events, metrics."""
+    console = Console(soft_wrap=True, highlight=False)
+    size = "" if found["size"] is None else f", {found['size'] / 1e6:.2f} MB"
+    console.print(f"[bold]{found['file']}[/bold]{size}", highlight=False)
+    for problem in found["problems"]:
+        console.print(f"[red]{problem}[/red]")
+    print_table(("", ""), [(name, plain(value)) for name, value in _facts(found)])
+    print_table(("channel", "type", "messages", "from", "to", "rate", "gaps", "longest", "lost"), _channels(found))
+    _print_events(console, found["events"])
+    if found["metrics"]:
+        print_table(("metric", ""), [(METRICS[k].words, value_with_unit(k, v)) for k, v in found["metrics"].items()])
+
+
+def _facts(found: dict[str, Any]) -> list[tuple[str, Any]]:
+    names = ("ending", "scenario", "title", "rig", "mode", "speed", "recorded", "run_id", "lost", "host", "versions")
+    own = [(f"{name}.{key}", value) for name, values in found["metadata"].items() for key, value in values.items()]
+    return [(name, found[name]) for name in names if found.get(name) not in (None, "", {})] + own
+
+
+def _channels(found: dict[str, Any]) -> list[tuple[str, ...]]:
+    return [
+        (
+            c["topic"],
+            c["type"].rpartition("/")[2],
+            str(c["messages"]),
+            f"{c['first']:.3f} s",
+            f"{c['last']:.3f} s",
+            "-" if c["rate"] is None else f"{c['rate']:.6g} /s",
+            str(c["gaps"]),
+            "-" if c["longest"] is None else f"{c['longest'] * 1e3:.6g} ms",
+            str(c["lost"]),
+        )
+        for c in found["channels"]
+    ]
+
+
+def _print_events(console: Console, events: list[dict[str, Any]]) -> None:
+    for event in events[:EVENTS]:
+        console.print(f"{event['time']:10.3f} s  {event['kind']:8}  {event['text']}", markup=False)
+    if len(events) > EVENTS:
+        console.print(f"… and {len(events) - EVENTS} events more: --json gives all")

@@ -1,30 +1,29 @@
 """Verbs that are processes of the loop: plant, controller, router, reset."""
 
 import time
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, ProcessMode, print_json
+from bridge.cli.app import print_json
+from bridge.cli.options import (
+    AS_JSON,
+    CHANGES,
+    CONFIG,
+    CONNECT,
+    FIFO,
+    MODE,
+    SCENARIO,
+    SUPERVISED,
+    ProcessMode,
+)
+from bridge.scenario.loading import refuse_fast_daq
 from bridge.wire.link import DEFAULT_ENDPOINT
-
-if TYPE_CHECKING:
-    from bridge.scenario import Scenario
-
-FASTEST_DAQ = 0.2e-3  # [s] of wall time
-CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.")]
-CONFIG = Annotated[
-    Path | None, typer.Option("--zenoh-config", help="Zenoh configuration file: TLS, passwords, access control.")
-]
-MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
-FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")]
-SUPERVISED = Annotated[bool, typer.Option("--supervised", hidden=True)]
 
 
 def supervised_by_parent(yes: bool) -> None:
     if yes:
-        from bridge.machine.clock import die_with_parent
+        from bridge.machine.process import die_with_parent
 
         die_with_parent()
 
@@ -71,18 +70,6 @@ def plant(
         print_json(words)
     else:
         print("\n".join(f"{name:24} {value:g}" for name, value in words.items() if isinstance(value, int | float)))
-
-
-def refuse_fast_daq(scenario: "Scenario", speed: float) -> None:
-    """Real time goes to 5 kHz; faster acquisition is for lockstep and in process."""
-    from bridge.errors import ScenarioError
-
-    least = FASTEST_DAQ * speed
-    if scenario.loop.daq_period < least * 0.999:
-        raise ScenarioError(
-            f"loop.daq_period {scenario.loop.daq_period:g} s at speed {speed:g}: real time goes to 5 kHz; "
-            f"nearest valid: {least:g} s; faster with --mode lockstep or inprocess"
-        )
 
 
 def controller(

@@ -6,8 +6,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, ProcessMode, print_json
-from bridge.cli.processes import CONFIG, CONNECT, MODE, SUPERVISED, supervised_by_parent
+from bridge.cli.app import print_json
+from bridge.cli.options import (
+    AS_JSON,
+    CONFIG,
+    CONNECT,
+    MODE,
+    SUPERVISED,
+    ProcessMode,
+    _quantity,
+    nanoseconds,
+)
+from bridge.cli.processes import supervised_by_parent
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 if TYPE_CHECKING:
@@ -82,24 +92,6 @@ def _request(
     window = None if ring is None else Window(nanoseconds("--ring", ring), nanoseconds("--after", after))
     kinds = () if triggers == "none" else tuple(kind.strip() for kind in triggers.split(","))
     return Request(keeping, window, kinds, tuple(_pair(text) for text in meta or []))
-
-
-def nanoseconds(option: str, text: str) -> int:
-    """A time that an option gives, such as "1.2 s" [ns]. Raises ScenarioError."""
-    return round(_quantity(option, text, "s") * 1e9)
-
-
-def _quantity(option: str, text: str, unit: str) -> float:
-    from bridge.errors import ScenarioError
-    from bridge.scenario.units import quantity
-
-    try:
-        found = quantity(text, unit)
-    except ValueError as error:
-        raise ScenarioError(f"{option} {text}: {error}") from None
-    if not 0.0 <= found < 1e15:
-        raise ScenarioError(f"{option} {text}: must be at least 0")
-    return found
 
 
 def _pair(text: str) -> tuple[str, str]:

@@ -1,26 +1,18 @@
 """Verbs on recordings: info, recover, export, compare."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, print_json
-
-if TYPE_CHECKING:
-    from bridge.recording.compare import Difference
-
-FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
-TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
-TOLERANCE = Annotated[
-    list[str] | None,
-    typer.Option("--tolerance", metavar="SIGNAL=VALUE", help="Allowed difference: position='0.1 mm'. Repeatable."),
-]
+from bridge.cli.app import print_json
+from bridge.cli.options import AS_JSON, FILE, TOLERANCE, TOPICS, tolerances
+from bridge.cli.printing import print_differences
 
 
 def info(file: FILE, as_json: AS_JSON = False) -> None:
     """Say what a recording holds and how its run went: channels, rates, gaps, events, metrics."""
-    from bridge.cli.info import print_info
+    from bridge.cli.printing import print_info
     from bridge.recording.info import describe
     from bridge.recording.reader import read
 
@@ -99,43 +91,19 @@ def compare(
     raise typer.Exit(0 if all(difference.passed for difference in found) else 1)
 
 
-def tolerances(texts: list[str] | None) -> dict[str, str]:
-    """Signal -> what may be. Raises ScenarioError for what is no such pair."""
-    from bridge.errors import ScenarioError
+def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap.")], as_json: AS_JSON = False) -> None:
+    """Print one hash per data channel; with several files, say whether they are the same."""
+    from bridge.cli.tables import print_table
+    from bridge.recording.digest import digest as hashes
 
-    pairs = [text.partition("=") for text in texts or []]
-    for name, sign, value in pairs:
-        if not sign or not value:
-            raise ScenarioError(f"--tolerance {name}: write SIGNAL=VALUE, such as position='0.1 mm'")
-    return {name: value for name, _, value in pairs}
-
-
-def print_differences(found: "list[Difference]", as_json: bool, further: dict[str, Any] | None = None) -> None:
-    """The table of a comparison."""
-    from bridge.cli.printing import print_table
-
+    found = {str(path): hashes(path) for path in files}
+    first = next(iter(found.values()))
+    same = {channel: all(other[channel] == first[channel] for other in found.values()) for channel in first}
     if as_json:
-        plain = [{k: None if v != v else v for k, v in difference._asdict().items()} for difference in found]
-        print_json({"signals": plain, "passed": all(d.passed for d in found), **(further or {})})
-        return
-    print_table(
-        ("signal", "greatest", "at", "rms", "first beyond", "allowed", "instants", "alone", ""), map(_row, found)
-    )
-
-
-def _row(d: "Difference") -> tuple[str, ...]:
-    def time(value: float | None) -> str:
-        return "-" if value is None else f"{value:.6g} s"
-
-    mark = "[green]same[/green]" if d.passed and d.greatest == 0.0 else "[green]within[/green]"
-    return (
-        d.signal,
-        f"{d.greatest:.4g} {d.unit}",
-        time(d.at),
-        f"{d.rms:.3g} {d.unit}",
-        time(d.first),
-        f"{d.tolerance:g} {d.unit}",
-        str(d.instants),
-        str(d.alone),
-        mark if d.passed else "[red]DIFFERS[/red]",
-    )
+        print_json(found)
+    elif len(files) == 1:
+        print_table(("channel", "hash"), list(first.items()))
+    else:
+        rows = [(c, *(hashes[c][:12] for hashes in found.values()), "same" if same[c] else "DIFFERS") for c in first]
+        print_table(("channel", *(Path(name).name for name in found), ""), rows)
+    raise typer.Exit(0 if all(same.values()) else 1)

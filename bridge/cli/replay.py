@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, print_json
-from bridge.cli.processes import CONFIG
-from bridge.cli.record import TOPICS, WITHOUT, nanoseconds
-from bridge.cli.recordings import FILE, TOLERANCE, print_differences, tolerances
+from bridge.cli.app import print_json
+from bridge.cli.options import AS_JSON, CONFIG, FILE, TOLERANCE, nanoseconds, tolerances
+from bridge.cli.printing import print_differences
+from bridge.cli.record import TOPICS, WITHOUT
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 

@@ -3,11 +3,17 @@
 import json
 import time
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, Mode, print_json
+from bridge.cli.app import print_json
+from bridge.cli.options import (
+    AS_JSON,
+    CHANGES,
+    SCENARIO,
+    Mode,
+)
 
 RECORD = Annotated[
     Path | None,
@@ -41,9 +47,9 @@ def run(
     [bold]inprocess[/bold] needs neither middleware nor clock. All record the same data.
     """
     from bridge.cli.printing import print_summary
-    from bridge.cli.processes import refuse_fast_daq
     from bridge.runs.run import RunRequest, run_scenario
     from bridge.scenario import load
+    from bridge.scenario.loading import refuse_fast_daq
 
     checked = load(scenario, _changes(changes, duration, seed))
     if mode == Mode.realtime:
@@ -97,24 +103,3 @@ def check(
     else:
         print_checks(results)
     raise typer.Exit(0 if all(result.passed for result in results) else 1)
-
-
-def scenarios(as_json: AS_JSON = False) -> None:
-    """List the built-in scenarios."""
-    from bridge.cli.printing import print_table
-    from bridge.scenario import load, names
-
-    rows = [(s.name, s.title, f"{s.duration:g} s", "; ".join(s.expect)) for s in map(load, names())]
-    keys = ("name", "title", "duration", "expects")
-    if as_json:
-        print_json([dict(zip(keys, row, strict=True)) for row in rows])
-    else:
-        print_table(keys, rows)
-
-
-def schema() -> None:
-    """Print the JSON schema of scenario files, for editors."""
-    from bridge.scenario import Scenario
-
-    found: dict[str, Any] = Scenario.model_json_schema()
-    print_json(found)

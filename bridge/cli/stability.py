@@ -5,13 +5,10 @@ from typing import Annotated, Any
 
 import typer
 
-from bridge.cli.app import AS_JSON, CHANGES, SCENARIO, print_json
+from bridge.cli.app import print_json
+from bridge.cli.options import AS_JSON, CHANGES, SCENARIO, SCHEDULER, WORKERS
 
 PAIR = "LOW:HIGH"
-WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one a core]", show_default=False)]
-SCHEDULER = Annotated[
-    str | None, typer.Option(help="Address of a Dask scheduler to run on instead.", metavar="ADDRESS")
-]
 
 
 def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
@@ -30,7 +27,7 @@ def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSO
 
 
 def _print(found: dict[str, Any]) -> None:
-    from bridge.cli.printing import print_table
+    from bridge.cli.tables import print_table
     from bridge.studies.stability.advice import WORDS
 
     own, derivative = found["gain"]["volts"], found["derivative_gain"]["volts"]

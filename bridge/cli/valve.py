@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
-from bridge.cli.app import AS_JSON, CHANGES, print_json
-from bridge.cli.stability import SCHEDULER, WORKERS
+from bridge.cli.app import print_json
+from bridge.cli.options import AS_JSON, CHANGES, SCHEDULER, WORKERS
 
 app = typer.Typer(help="Static curves, seats and chatter of relief valves: docs/valves.md.", no_args_is_help=True)
 OUTPUT = Annotated[Path, typer.Option("--output", "-o", help="Folder for the picture and the table.")]
@@ -19,7 +19,7 @@ PRECOMPRESSION = Annotated[str, typer.Option(help="Of the spring.")]
 @app.command()
 def static(scenario: SCENARIO = "step", changes: CHANGES = None, output: OUTPUT = Path(), as_json: AS_JSON = False):
     """The static curve of the two-stage valve: setting, knee, openings, what shapes it, what it can tell."""
-    from bridge.cli.printing import print_table
+    from bridge.cli.tables import print_table
     from bridge.studies.valve.static import (
         combinations,
         draw,
@@ -172,7 +172,7 @@ def _save(name: str, drawn: Any, output: Path) -> list[str]:
 
 
 def _tell(found: dict[str, Any], rows: list[tuple[str, str]], paths: list[str], as_json: bool) -> None:
-    from bridge.cli.printing import print_table
+    from bridge.cli.tables import print_table
 
     if as_json:
         print_json(found | {"files": paths})

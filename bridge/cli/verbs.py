@@ -1,30 +1,28 @@
 """All verbs, registered with the application in the order in which help shows them."""
 
 from bridge.cli import (
-    figures as inspect,
-)
-from bridge.cli import (
+    figures,
     line,
     looking,
+    machine,
     processes,
     record,
     recordings,
     replay,
+    run,
+    scenarios,
     stability,
     valve,
-)
-from bridge.cli import (
-    run as running,
 )
 from bridge.cli.app import LOOK, PROCESSES, RUN, app
 
 PANELS = {
-    RUN: (running.run, running.check),
+    RUN: (run.run, run.check),
     LOOK: (
-        running.scenarios,
-        running.schema,
-        inspect.describe,
-        inspect.convergence,
+        scenarios.scenarios,
+        scenarios.schema,
+        scenarios.describe,
+        scenarios.convergence,
         stability.advise,
         stability.map_stability,
         looking.view,
@@ -33,12 +31,12 @@ PANELS = {
         recordings.compare,
         recordings.recover,
         recordings.export,
-        inspect.digest,
-        inspect.messages,
-        inspect.figures,
-        inspect.figure,
+        recordings.digest,
+        machine.messages,
+        figures.figures,
+        figures.figure,
         line.line,
-        inspect.doctor,
+        machine.doctor,
     ),
     PROCESSES: (
         processes.plant,

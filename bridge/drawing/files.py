@@ -1,9 +1,9 @@
 """A picture and its table, side by side."""
 
+import csv
 from pathlib import Path
 
 from bridge.drawing.canvas import Columns, Sheet
-from bridge.figures import write_columns
 
 
 def save(name: str, columns: Columns, page: Sheet, directory: Path) -> list[Path]:
@@ -13,3 +13,11 @@ def save(name: str, columns: Columns, page: Sheet, directory: Path) -> list[Path
     page.savefig(picture)
     write_columns(table, columns)
     return [picture, table]
+
+
+def write_columns(path: Path, columns: Columns) -> None:
+    """A table as CSV, nine digits."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(columns)
+        rows.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values(), strict=True))

@@ -1,0 +1,1 @@
+"""Plant and controller without clock and network: what every mode of the loop runs."""

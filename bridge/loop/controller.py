@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from bridge.scenario import Scenario, ScenarioError
-from bridge.scenario.units import split
+from bridge.scenario.gains import gains
 from bridge.wire.messages import Outgoing, Reference, ValveCommand
-from controller.law import LAWS, Gains, Law, Sample, per_metre
+from controller.grid import NS, is_sample
+from controller.law import LAWS, Law, Sample
 from controller.reference import Target, evaluate
-from controller.sampling import NS, is_sample
 
 
 class ControllerSide:
@@ -46,26 +46,6 @@ class ControllerSide:
         target = evaluate(self.reference, sample.stamp_ns / NS)
         spool, self._memory = self.law(sample, target, self._memory, self.gains)
         return float(spool), target
-
-
-def gains(scenario: Scenario) -> Gains:
-    """The gains in SI: V per % of stroke are turned into spool per metre."""
-    settings, rig = scenario.controller, scenario.rig
-    stroke, full_scale = rig.cylinder.stroke, rig.valve.full_scale
-    return Gains(
-        proportional=_per_metre(settings.gain, "V/%", stroke, full_scale),
-        derivative=_per_metre(settings.derivative, "V s/%", stroke, full_scale),
-        source=settings.velocity,
-        filter_time=settings.filter_time,
-        sample_period=scenario.loop.sample_period,
-        limit=settings.limit,
-        overlap=rig.valve.overlap if settings.compensate_overlap else 0.0,
-    )
-
-
-def _per_metre(text: str, volt_unit: str, stroke: float, full_scale: float) -> float:
-    number, unit = split(text)
-    return per_metre(number, stroke, full_scale) if unit == volt_unit else number
 
 
 def find_law(name: str) -> Law:

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from bridge.wire.messages import LineProfile, Outgoing
-from twin.block import Compiled
-from twin.circuit import LINES
-from twin.profile import HOLLOWS, PLACES, XI, along_lines
+from twin.circuit.block import Compiled
+from twin.circuit.profile import XI, along_lines
+from twin.topology import HOLLOWS, LINES, PLACES
 
 
 class LineProfiles:

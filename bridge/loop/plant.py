@@ -23,13 +23,14 @@ from bridge.wire.messages import (
     Time,
     decode,
 )
+from controller.grid import NS, last_due, to_ns
 from controller.hold import Hold
-from controller.sampling import NS, last_due, to_ns
-from twin.block import OBSERVED, compiled, run_block
-from twin.build import build
-from twin.equilibrium import equilibrium
+from twin.circuit.block import compiled, run_block
+from twin.circuit.build import build
+from twin.circuit.equilibrium import equilibrium
+from twin.circuit.state import flatten
 from twin.sensors import NOISE_ROWS, Card, acquire, noise_block
-from twin.state import flatten
+from twin.topology import OBSERVED
 
 SAFE = 0.0  # spool reference of the safe state: valve centred
 Note = tuple[str, int, int, int, int, str]  # kind, source, command, apply_at, applied_at, text

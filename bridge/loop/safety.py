@@ -6,7 +6,7 @@ Nothing here knows clocks or networks: times are simulated nanoseconds that the 
 import math
 from typing import Any, NamedTuple
 
-from controller.sampling import NS, Sampling
+from controller.grid import NS, Sampling
 
 FURTHEST = 10 * NS  # an `apply_at` further ahead than this is refused
 

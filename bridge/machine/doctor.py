@@ -11,8 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from bridge.machine.clock import FIFO_PRIORITY
 from bridge.machine.host import cpu, versions
+from bridge.machine.process import FIFO_PRIORITY
 from bridge.machine.punctuality import (
     Verdict,
     loopback,

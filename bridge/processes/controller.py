@@ -6,7 +6,7 @@ from typing import Any
 
 from bridge.errors import RunError
 from bridge.loop.controller import ControllerSide
-from bridge.machine.clock import Stop, prepare
+from bridge.machine.process import Stop, prepare
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus, Receiver
 from bridge.wire.link import Link

@@ -9,18 +9,14 @@ from typing import Any, NamedTuple
 
 from bridge.errors import RunError
 from bridge.loop.plant import PlantSide
-from bridge.machine.clock import (
-    Overruns,
-    Stop,
-    prepare,
-    ticks,
-)
+from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
+from bridge.machine.process import Stop, prepare
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.link import Link
 from bridge.wire.messages import LoopTiming, Outgoing
-from controller.sampling import NS, is_sample
+from controller.grid import NS, is_sample
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them

@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 
-from bridge.machine.clock import Stop
+from bridge.machine.process import Stop
 from bridge.wire.link import Link, names_addresses, open_session
 
 

@@ -2,8 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -12,7 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.loop.identity import derived
-from bridge.machine.clock import NOTE, Stop
+from bridge.machine.process import Stop
+from bridge.processes.child import Child
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.link import Link, LinkError, free_endpoint
@@ -34,44 +33,6 @@ class RunOptions(NamedTuple):
     patience: float  # seconds, in lockstep for each command
     external: bool  # the controller is somebody else's: wait for it, do not start ours
     listen: str | None  # the plant's endpoint; None: a free one on loopback
-
-
-class Child:
-    """A process of ours, with its words kept."""
-
-    def __init__(self, role: str, arguments: list[str], folder: Path) -> None:
-        self.role = role
-        self.words = folder / f"{role}.log"
-        with self.words.open("wb") as log:
-            command = [sys.executable, "-m", "bridge", role, *arguments, "--supervised"]
-            self.process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
-            )
-
-    def ended(self) -> bool:
-        """Is it gone?"""
-        return self.process.poll() is not None
-
-    def fault(self) -> str | None:
-        """What it says of its failure; None when it has not failed."""
-        code = self.process.poll()
-        if not code:
-            return None
-        words = self.words.read_text(errors="replace").strip().splitlines()
-        how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-        return f"the {self.role} (pid {self.process.pid}) ended with {how}" + (f": {words[-1]}" if words else "")
-
-    def notes(self) -> list[str]:
-        """What it has to say that is no failure."""
-        lines = self.words.read_text(errors="replace").splitlines()
-        return [f"{self.role}: {line.removeprefix(NOTE)}" for line in lines if line.startswith(NOTE)]
-
-    def end(self) -> None:
-        """Make sure that it is gone."""
-        if not self.ended():
-            self.process.send_signal(signal.SIGCONT)
-            self.process.kill()
-        self.process.wait()
 
 
 class Supervisor:

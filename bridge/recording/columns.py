@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
+from controller.grid import NS
 from controller.metrics import Signals
 from controller.reference import evaluate
-from controller.sampling import NS
 
 
 def signals(recording: Recording, scenario: Scenario) -> Signals:

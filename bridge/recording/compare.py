@@ -10,7 +10,7 @@ from bridge.errors import ScenarioError
 from bridge.recording.reader import Recording
 from bridge.recording.signals import COMPARED, Signal, signals_of
 from bridge.scenario.units import UNITS, quantity
-from controller.sampling import NS
+from controller.grid import NS
 
 
 class Difference(NamedTuple):

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
-from controller.sampling import NS
-from twin.profile import HOLLOWS, PLACES
+from controller.grid import NS
+from twin.topology import HOLLOWS, PLACES
 
 Array = NDArray[np.float64]
 APART = NS // 50  # [ns], of the frames of a recording without profiles

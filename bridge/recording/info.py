@@ -7,12 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.errors import ScenarioError
-from bridge.processes.recorder.run_file import SOURCED
 from bridge.recording.reader import Recording
 from bridge.recording.summary import verdict
 from bridge.recording.tally import Tally
-from bridge.wire.messages import decode
-from controller.sampling import NS
+from bridge.wire.messages import SOURCED, decode
+from controller.grid import NS
 
 PAUSE = 1.5  # periods without a message are a gap
 RUN = ("run_id", "mode", "speed", "recorded", "versions", "host")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from bridge.recording.reader import Recording
 from bridge.scenario.bands import SIGNALS
 from bridge.wire.messages import TOPICS, described, struct_format
-from controller.sampling import NS
+from controller.grid import NS
 
 COMPARED = ("measurement", "state", "command", "reference")
 INSTANTS = {"command": "sample_stamp"}  # of others "stamp"

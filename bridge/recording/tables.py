@@ -10,7 +10,7 @@ import numpy as np
 from bridge.recording.reader import Recording
 from bridge.recording.signals import units
 from bridge.wire.messages import TOPICS, struct_format
-from controller.sampling import NS
+from controller.grid import NS
 
 
 class Column(NamedTuple):

@@ -5,14 +5,6 @@ from typing import Any
 from bridge.recording.reader import Recording
 from bridge.scenario.bands import METRICS, value_with_unit
 
-LINE_ENDS = (
-    ("pump", "tee, p1"),
-    ("tee, p1", "valve, P"),
-    ("valve, A", "lower chamber, p2"),
-    ("valve, B", "upper chamber, p3"),
-    ("valve, T", "return tee"),
-    ("return tee", "tank"),
-)
 MODES = {"inprocess": "in one process", "lockstep": "in lockstep", "realtime": "in real time"}
 
 

@@ -16,7 +16,7 @@ from mcap.writer import CompressionType, Writer
 
 from bridge.recording.sink import Sink
 from bridge.wire.messages import TOPICS, definition, type_hash
-from controller.sampling import NS
+from controller.grid import NS
 
 CHUNK = 8 * 1024 * 1024  # bytes; flushing by time closes them long before
 FLUSH_PERIOD = NS // 5  # a kill is to lose no more than 0.25 s: this, and the time until it is noticed

@@ -11,12 +11,12 @@ from typing import Any
 
 from bridge.errors import RunError
 from bridge.loop.controller import ControllerSide
-from bridge.processes.supervisor import Child
+from bridge.processes.child import Child
 from bridge.recording.reader import Entry, Recording
 from bridge.scenario import Scenario, ScenarioError
 from bridge.wire.bus import Bus
 from bridge.wire.messages import Outgoing, decode
-from controller.sampling import Sampling, is_sample
+from controller.grid import Sampling, is_sample
 
 PATIENCE = 10.0  # seconds for an answer
 STARTUP = 60.0  # seconds for the controller to appear

@@ -11,7 +11,7 @@ from bridge.errors import ScenarioError
 from bridge.machine.clock import SPIN_NS
 from bridge.replay.timeline import Timeline
 from bridge.scenario.units import quantity
-from controller.sampling import NS
+from controller.grid import NS
 
 NAP = 0.005  # seconds, the longest in which nothing is heeded
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import zenoh
 
 from bridge.errors import RunError, ScenarioError
-from bridge.machine.clock import Stop, prepare
+from bridge.machine.process import Stop, prepare
 from bridge.recording.choice import choose
 from bridge.recording.reader import Entry, Recording, read
 from bridge.replay.keyboard import keyboard

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
-from controller.sampling import Sampling, to_ns
+from controller.grid import Sampling, to_ns
 
 Identity = tuple[int, int]  # source, sequence
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from bridge.drawing.colours import STOPS
-from bridge.recording.words import LINE_ENDS
 from bridge.report.charts import BLUE, ORANGE, RUNS, canvas
 from bridge.report.subject import Run
+from bridge.view.rig.stage import LINE_ENDS
 
 MOST_COLUMNS = 1200
 EDGES = np.logspace(-1, 5, 91)  # [us]

@@ -13,7 +13,7 @@ from bridge.recording.summary import summarise, verdict
 from bridge.runs.check import Judgement, judge_run
 from bridge.runs.run import Outcome
 from bridge.scenario import Scenario, ScenarioError
-from controller.sampling import NS
+from controller.grid import NS
 
 
 class Run(NamedTuple):

@@ -8,11 +8,11 @@ from bridge.recording.reader import read
 from bridge.runs.run import Outcome, RunRequest, run_scenario
 from bridge.scenario import Scenario
 from bridge.scenario.bands import parse_band, signal_with_unit, value_with_unit
+from controller.grid import NS
 from controller.metrics import Band, Metrics, judge
-from controller.sampling import NS
 from controller.window import END, START, WindowBand, judge_window
-from twin.build import build
-from twin.reading import BALANCES, moments
+from twin.circuit.build import build
+from twin.circuit.reading import BALANCES, moments
 
 
 class Judgement(NamedTuple):

@@ -12,7 +12,7 @@ from bridge.recording.reader import read
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import Scenario
 from bridge.scenario.bands import SHOWN, SIGNALS
-from twin.block import OBSERVED
+from twin.topology import OBSERVED
 
 QUIET = {"noise": 0.0, "quantise": False}  # a card's counts would hide the plant's error
 ROUNDING = 1e-12  # of the greatest value: no order in that

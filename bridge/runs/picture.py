@@ -10,7 +10,7 @@ import numpy as np
 from bridge.recording.columns import reference_at, relief_moved, vapour
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
-from controller.sampling import NS
+from controller.grid import NS
 
 MOST_POINTS = 20_000
 LEAST_VAPOUR = 1e-8  # [m^3], less is no cavity to look at

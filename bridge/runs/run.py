@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.machine.clock import Stop
+from bridge.machine.process import Stop
 from bridge.recording.reader import Recording, read
 from bridge.recording.summary import NEEDED, summarise, verdict
 from bridge.runs.in_process import record_in_process

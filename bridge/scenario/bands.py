@@ -10,8 +10,7 @@ from typing import NamedTuple
 from bridge.scenario.units import quantity
 from controller.metrics import Band, Metrics
 from controller.window import END, START, STATISTICS, Moment, WindowBand
-from twin.block import OBSERVED
-from twin.reading import BALANCE_UNITS
+from twin.topology import BALANCE_UNITS, OBSERVED
 
 
 class Shown(NamedTuple):

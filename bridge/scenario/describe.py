@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 from bridge.scenario import Scenario
 from bridge.scenario.units import UNITS
-from twin.build import build
-from twin.circuit import Circuit
-from twin.equilibrium import supply_at_rest
-from twin.limits import limits, natural_frequency, too_coarse
-from twin.poppet import cracking_pressure
+from twin.circuit.build import build
+from twin.circuit.equilibrium import supply_at_rest
+from twin.circuit.limits import limits, natural_frequency, too_coarse
+from twin.circuit.step import Circuit
+from twin.relief.poppet import cracking_pressure
 from twin.rig import RIG, Choice, Entry
 
 PICTURE = """\

@@ -162,3 +162,18 @@ def _near_key(place: list[str]) -> str:
     valid = list(model.model_fields) if model else []
     near = difflib.get_close_matches(place[-1], valid, n=1, cutoff=0.0)
     return f"; did you mean {near[0]!r}? (valid: {', '.join(valid)})" if near else ""
+
+
+FASTEST_DAQ = 0.2e-3  # [s] of wall time
+
+
+def refuse_fast_daq(scenario: "Scenario", speed: float) -> None:
+    """Real time goes to 5 kHz; faster acquisition is for lockstep and in process."""
+    from bridge.errors import ScenarioError
+
+    least = FASTEST_DAQ * speed
+    if scenario.loop.daq_period < least * 0.999:
+        raise ScenarioError(
+            f"loop.daq_period {scenario.loop.daq_period:g} s at speed {speed:g}: real time goes to 5 kHz; "
+            f"nearest valid: {least:g} s; faster with --mode lockstep or inprocess"
+        )

@@ -18,9 +18,9 @@ from bridge.scenario.fields import (
     Speed,
 )
 from bridge.scenario.references import Reference
+from controller.grid import NS, Sampling, sampling
 from controller.law import LAWS
-from controller.sampling import NS, Sampling, sampling
-from twin.build import build
+from twin.circuit.build import build
 from twin.rig import RIG, Choice, Entry, values
 
 

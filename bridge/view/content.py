@@ -7,14 +7,14 @@ import numpy as np
 
 from bridge.recording.frames import Frames, frames
 from bridge.recording.reader import Recording
-from bridge.recording.words import LINE_ENDS, run_in_words
+from bridge.recording.words import run_in_words
 from bridge.scenario import Scenario, ScenarioError
 from bridge.view import length_time
 from bridge.view.curves import CURVES, Curve, draw, span
 from bridge.view.layout import EVENTS, RUN, layout
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
-from bridge.view.rig.stage import Stage, stage
+from bridge.view.rig.stage import LINE_ENDS, Stage, stage
 from bridge.view.timeline import time_column
 
 APPLICATION = "hydrotwin"

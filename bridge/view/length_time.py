@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bridge.drawing.colours import LEGEND, pressure_colours
 from bridge.view.timeline import time_column
-from controller.sampling import NS
+from controller.grid import NS
 
 WIDTH, HEIGHT = 900.0, 200.0
 MOST_COLUMNS = 1500

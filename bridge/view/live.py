@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.errors import RunError, ScenarioError
-from bridge.machine.clock import Stop
+from bridge.machine.process import Stop
 from bridge.recording.reader import Entry
 from bridge.view.content import APPLICATION
 from bridge.view.inbox import inbox, run_of

@@ -8,7 +8,6 @@ import numpy as np
 
 from bridge.recording.frames import Frames, frames
 from bridge.recording.reader import Entry, Recording, recording
-from bridge.recording.words import LINE_ENDS
 from bridge.view import length_time
 from bridge.view.content import begin, scene_of, send_curve, send_events
 from bridge.view.curves import CURVES, LIVE, samples
@@ -16,7 +15,8 @@ from bridge.view.inbox import WATCHED
 from bridge.view.layout import layout
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
-from controller.sampling import NS
+from bridge.view.rig.stage import LINE_ENDS
+from controller.grid import NS
 
 SPAN = 10.0  # [s], of the maps and curves
 REDRAWN = 0.25  # [s] of simulated time, from map to map

@@ -14,7 +14,7 @@ from bridge.view.rerun_program import (
     window,
 )
 from bridge.view.screenshot import screenshot
-from controller.sampling import NS
+from controller.grid import NS
 
 SHARE = 0.35  # of the run: where a picture is taken unless somebody says when
 

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from twin.block import OBSERVED
-from twin.profile import HOLLOWS, PLACES
+from twin.topology import HOLLOWS, OBSERVED, PLACES
 
 PACKAGE = "hydrotwin_msgs/msg"
 
@@ -257,3 +256,6 @@ def _message_class(kind: str) -> Any:
 def field_names(kind: str) -> list[str]:
     """The fields of a message type, in order."""
     return [field.name for field in fields(_message_class(kind)) if not field.name.startswith("__")]
+
+
+SOURCED = ("command", "reference")  # topics on which several sources may speak

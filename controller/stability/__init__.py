@@ -1,7 +1,7 @@
 """When a loop oscillates, and how: theory of the analogue, the relay and the sampled loop. Source: chapter 5.
 
 `monodromy`, `critical_gain`: the sampled dimensionless actuator with any delay and the derivatives of `controller.law`.
-`plant_of` (a control.StateSpace, as of `twin.linear.linearise`), `sampled_loop`, `closed`: the same for any
+`plant_of` (a control.StateSpace, as of `twin.circuit.linear.linearise`), `sampled_loop`, `closed`: the same for any
 linear plant; the actuator is `linear_actuator`; `movable` takes out rests that no loop can move. `multipliers`,
 `stable_count`, `is_stable`, `dominant`, `loop_onset` (gain, kind and frequency), `gain_margin`, `derivative_range`,
 `delay_margin` judge a loop, `margins` in all of these ways; `suggested_gain` keeps a distance at several points.

@@ -39,7 +39,9 @@ def linear_actuator(k: ArrayLike, gamma: ArrayLike) -> Plant:
 def plant_of(
     system: "StateSpace", entry: int | str = 0, position: int | str = 0, velocity: int | str | None = 1
 ) -> Plant:
-    """Plant of a continuous control.StateSpace, such of `twin.linear.linearise`; entry and outputs by index or name.
+    """Plant of a continuous control.StateSpace, such of `twin.circuit.linear.linearise`.
+
+    Entry and outputs by index or name.
 
     velocity None: there is no tachometer. Raises ValueError for a sampled system, an unknown name, and an output that
     the input reaches at once (it could not be sampled before the command it causes).

@@ -7,7 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from tests.benchmarks.plant import Row
-from tests.exact_line import CORNERS, ENDS, HOSE, MIDDLE, PEER, PEER_SPAN, RIG, STEEL, Pipe, error
+from tests.support.exact_line import (
+    CORNERS,
+    ENDS,
+    HOSE,
+    MIDDLE,
+    PEER,
+    PEER_SPAN,
+    RIG,
+    STEEL,
+    Pipe,
+    error,
+)
 from twin.kernel import kernel
 from twin.lines.bank import Bank, bank_of, leave, memory_size, oncoming, settle
 from twin.lines.fit import SHORTEST

@@ -4,7 +4,8 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from bridge.runs.in_process import exchange, record_in_process, sides
+from bridge.loop.exchange import exchange, sides
+from bridge.runs.in_process import record_in_process
 from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import load
 from tests.benchmarks.plant import Row

@@ -14,13 +14,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.block import OBSERVED, compiled, run_block
-from twin.build import build
-from twin.equilibrium import equilibrium
+from twin.circuit.block import compiled, run_block
+from twin.circuit.build import build
+from twin.circuit.equilibrium import equilibrium
+from twin.circuit.state import MEMORY_AT, ends_of, flatten
 from twin.kernel import kernel
 from twin.lines.bank import leave, oncoming, unpacked
 from twin.rig import values
-from twin.state import MEMORY_AT, ends_of, flatten
+from twin.topology import OBSERVED
 
 Row = tuple[str, str, str, str]
 GOALS = {50e-6: 125.0, 100e-6: 250.0}  # times real time, whatever the valve does

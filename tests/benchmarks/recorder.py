@@ -6,10 +6,10 @@ from pathlib import Path
 
 from mcap.writer import CompressionType, Writer
 
+from bridge.loop.exchange import exchange, sides
 from bridge.processes.recorder.order import Order
 from bridge.recording.reader import read
 from bridge.recording.writer import RecordingWriter
-from bridge.runs.in_process import exchange, sides
 from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import load
 from bridge.wire.messages import TOPICS, encode

@@ -7,10 +7,21 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.relief_valve import BAR, FLOW, IMPEDANCE, PRESSURE, valve
+from tests.support.relief_valve import (
+    BAR,
+    FLOW,
+    IMPEDANCE,
+    PRESSURE,
+    valve,
+)
 from twin.kernel import kernel
-from twin.relief import SHUT, Relief, ReliefState, relieve
-from twin.relief_steady import rest
+from twin.relief.steady import rest
+from twin.relief.valve import (
+    SHUT,
+    Relief,
+    ReliefState,
+    relieve,
+)
 
 Row = tuple[str, str, str, str]
 STEPS = 10_000

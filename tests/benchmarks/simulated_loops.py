@@ -11,13 +11,18 @@ from pathlib import Path
 
 import numpy as np
 
-from controller.stability.actuator import TABLE_5_1, Actuator, omega
-from controller.stability.parting import causes
-from controller.stability.simulate import ALPHA, controller, displaced, simulate
-from controller.stability.swing import swings
+from controller.stability.actuator.model import TABLE_5_1, Actuator, omega
+from controller.stability.actuator.parting import causes
+from controller.stability.actuator.simulate import (
+    ALPHA,
+    controller,
+    displaced,
+    simulate,
+)
+from controller.stability.actuator.swing import swings
 from tests.benchmarks.plant import Row
 from tests.benchmarks.sweeps import HOPSAN
-from tests.random_loops import SIDES, STARTS, random_loops
+from tests.support.random_loops import SIDES, STARTS, random_loops
 
 SECONDS = 10.0
 CASES = {

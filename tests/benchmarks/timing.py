@@ -12,7 +12,8 @@ import numpy as np
 import zenoh
 from numpy.typing import NDArray
 
-from bridge.machine.clock import prepare, ticks
+from bridge.machine.clock import ticks
+from bridge.machine.process import prepare
 from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import load
 from bridge.wire.link import free_endpoint

@@ -2,7 +2,7 @@
 
 from twin.chatter.physical import Pilot
 from twin.oil import Oil, kinematic_viscosity
-from twin.poppet import spring_drag
+from twin.relief.poppet import spring_drag
 from twin.rig import Values
 from twin.seats.chamfered import ChamferedSeat
 from twin.seats.conical import ConicalSeat

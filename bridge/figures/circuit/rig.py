@@ -33,11 +33,12 @@ from bridge.figures.circuit.symbols import (
     thin,
 )
 from bridge.scenario import load
-from twin.build import build
-from twin.circuit import ENDS, LINES, Circuit
-from twin.equilibrium import equilibrium, supply_at_rest
+from twin.circuit.build import build
+from twin.circuit.equilibrium import equilibrium, supply_at_rest
+from twin.circuit.step import Circuit
 from twin.pump import pump_flow
 from twin.rig import RUBBER, values
+from twin.topology import ENDS, LINES
 
 STEP = 50e-6  # [s]
 DARK_HOSE, METAL, ACCENT, BLUSH = "#a85a10", "#8a97a5", "#b3261e", "#fdecea"

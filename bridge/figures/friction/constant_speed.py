@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 
 from bridge.drawing.canvas import Array
 from bridge.scenario.model import Daq
-from twin.block import OBSERVED, compiled, run_block
-from twin.build import build
-from twin.circuit import Circuit
-from twin.equilibrium import equilibrium
+from twin.circuit.block import compiled, run_block
+from twin.circuit.build import build
+from twin.circuit.equilibrium import equilibrium
+from twin.circuit.state import flatten
+from twin.circuit.step import Circuit
 from twin.rig import RIG, values
 from twin.sensors import Card, acquire, noise_block
-from twin.state import flatten
+from twin.topology import OBSERVED
 
 LOADS = (165.0, 213.0, 243.0, 299.0, 334.0)  # [kg], 2.3
 BEYOND = (0.002, 0.005, 0.008, 0.011, 0.016, 0.02, 0.025, 0.03, 0.04, 0.05, 0.065)  # the overlap; share of the travel

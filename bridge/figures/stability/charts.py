@@ -21,7 +21,7 @@ from bridge.drawing.canvas import (
 )
 from bridge.studies.stability.chart_drawing import COLOURS, GOOD
 from controller.stability import linear_actuator, sampled_loop
-from controller.stability.analogue import analogue_edge
+from controller.stability.actuator.analogue import analogue_edge
 from controller.stability.chart import Counts, stable_multipliers
 from controller.stability.curves import flip_curve, flip_gain, fold_intervals, neimark_sacker_curve
 

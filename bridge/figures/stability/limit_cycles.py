@@ -15,12 +15,12 @@ from bridge.drawing.canvas import (
     remark,
     tiles,
 )
-from controller.stability.actuator import Actuator
-from controller.stability.analogue import analogue_edge
-from controller.stability.arc import CROSSED
-from controller.stability.birth import proportional_birth, relay_birth
-from controller.stability.continuation import Branch, Limits, follow_branch
-from controller.stability.relay import relay_edge
+from controller.stability.actuator.analogue import analogue_edge
+from controller.stability.actuator.model import Actuator
+from controller.stability.actuator.relay import relay_edge
+from controller.stability.orbits.arc import CROSSED
+from controller.stability.orbits.birth import proportional_birth, relay_birth
+from controller.stability.orbits.continuation import Branch, Limits, follow_branch
 
 PLANT = Actuator(0.01, 0.5, 0.5)
 FALLING = PLANT._replace(k=-0.2)  # assumed: the sign of the rig's seal, whose friction falls with speed

@@ -18,12 +18,17 @@ from bridge.drawing.canvas import (
     remark,
     sheet,
 )
-from controller.stability.actuator import Actuator, Feedback, mirror
-from controller.stability.arc import RELAY, follow
-from controller.stability.floquet import samples
-from controller.stability.limit_cycle import Orbit, analogue_loop
-from controller.stability.relay import relay_edge
-from controller.stability.slow_fast import critical_manifold, full_rates, reduced_rates, slides
+from controller.stability.actuator.model import Actuator, Feedback, mirror
+from controller.stability.actuator.relay import relay_edge
+from controller.stability.actuator.slow_fast import (
+    critical_manifold,
+    full_rates,
+    reduced_rates,
+    slides,
+)
+from controller.stability.orbits.arc import RELAY, follow
+from controller.stability.orbits.floquet import samples
+from controller.stability.orbits.limit_cycle import Orbit, analogue_loop
 
 PLANT = Actuator(0.01, 0.5, 0.5)
 S, GAINS = 10.0, (0.1, 0.35)  # s, and d below and above d_H

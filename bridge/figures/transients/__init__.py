@@ -1,0 +1,1 @@
+"""Load change and impingement."""

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.drawing.canvas import Columns
+from bridge.loop.exchange import exchange, sides
 from bridge.recording.columns import vapour
-from bridge.runs.in_process import exchange, sides
 from bridge.scenario import Scenario, load
-from twin.block import OBSERVED
-from twin.build import build
-from twin.reading import moments
+from twin.circuit.build import build
+from twin.circuit.reading import moments
+from twin.topology import OBSERVED
 
 SPEEDS = (502, 800, 1035, 1230)  # [rpm]
 LIFT = {502: 0.69, 800: 0.39, 1035: 0.29, 1230: 0.24}  # [s] up: from 100 mm to about the middle, with the weight

@@ -1,0 +1,1 @@
+"""Valve seats, static curve, chatter."""

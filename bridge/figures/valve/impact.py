@@ -3,7 +3,6 @@
 import numpy as np
 
 from bridge.drawing.canvas import (
-    Axes,
     Columns,
     Sheet,
     label,
@@ -11,6 +10,7 @@ from bridge.drawing.canvas import (
     sheet,
 )
 from bridge.figures.valve.chatter import COLOURS
+from bridge.studies.valve.chart import patches, patches_legend
 from twin.chatter.basin import basin, bifurcation, chart
 from twin.chatter.build import pilot_of
 from twin.chatter.equilibrium import bare, onset, rest
@@ -21,8 +21,6 @@ from twin.chatter.physical import reference, system
 from twin.chatter.system import CHAMFERED, SEATS, SeatLaw, System
 from twin.rig import values
 
-SHADES = ("#f4f4f4", "#f6c36b", "#b5443c")  # calm, swings, hits
-WORDS = ("calm", "swings freely", "hits its seat")
 COUNT = 24  # tops per flow; as many flows in each diagram
 
 
@@ -82,20 +80,6 @@ def draw_chart() -> tuple[Columns, Sheet]:
     patches_legend(panels[1])
     remark(page, "line: $k_{crit}$ by linear theory")
     return columns, page
-
-
-def patches(axes: Axes, x: np.ndarray, y: np.ndarray, kind: np.ndarray) -> None:
-    """Verdicts as coloured cells."""
-    from matplotlib.colors import ListedColormap
-
-    axes.pcolormesh(x, y, kind, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=2.5, shading="nearest")
-
-
-def patches_legend(axes: Axes) -> None:
-    """What the colours mean."""
-    for shade, words in zip(SHADES, WORDS, strict=True):
-        axes.plot([], [], "s", color=shade, markeredgecolor="0.5", label=words)
-    axes.legend(frameon=True, fontsize=8, loc="upper right")
 
 
 def draw_basin() -> tuple[Columns, Sheet]:

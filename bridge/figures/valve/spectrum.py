@@ -19,14 +19,20 @@ from bridge.drawing.canvas import (
     remark,
     sheet,
 )
-from twin.build import build
-from twin.circuit import Circuit
-from twin.equilibrium import equilibrium, supply_at_rest
-from twin.housing import Shaken, reaction, shake, spectrum, thrust
+from twin.circuit.build import build
+from twin.circuit.equilibrium import equilibrium, supply_at_rest
+from twin.circuit.housing import (
+    Shaken,
+    reaction,
+    shake,
+    spectrum,
+    thrust,
+)
+from twin.circuit.state import State
+from twin.circuit.step import Circuit
 from twin.lines.theory import losses
-from twin.pilot_theory import swings_with_lines
+from twin.relief.pilot_theory import swings_with_lines
 from twin.rig import values
-from twin.state import State
 
 STEP = 25e-6  # [s]
 VOLUME = 20e-6  # [m^3], assumed

@@ -15,13 +15,11 @@ from bridge.drawing.canvas import (
     shades,
     sheet,
 )
-from twin.build import relief_sizes
+from bridge.studies.valve.static import oil_of, valve_of
 from twin.chatter.build import chamfered_of
-from twin.oil import Oil, kinematic_viscosity
 from twin.orifice import Orifice, quadratic_flow, resistance
-from twin.relief import Relief, relief
-from twin.relief_sensitivity import curve, knee
-from twin.rig import Values, values
+from twin.relief.sensitivity import curve, knee
+from twin.rig import values
 from twin.seats.chamfered import loss_coefficient, momentum_force
 
 BAR, LITRE_PER_MINUTE = 1e5, 1e-3 / 60.0
@@ -29,17 +27,6 @@ MEAN_DISCHARGE = 0.78  # 2.4.1, mean of the source's CFD
 LIFTS = (0.2e-3, 0.3e-3, 0.4e-3, 0.5e-3)  # [m]
 PRECOMPRESSIONS = (0.2e-3, 0.4e-3, 0.6e-3, 0.8e-3, 1.0e-3)  # [m]
 TUBE_EDGE = 50.0  # Re at which Merritt's two laws meet, (2.22)
-
-
-def oil_of(rig: Values) -> Oil:
-    """The valve's oil; its modulus plays no part at rest."""
-    oil = rig["oil"]
-    return Oil(oil["density"], kinematic_viscosity(oil["temperature"]), 1e9, oil["vapour_pressure"])
-
-
-def valve_of(rig: Values, precompression: float) -> Relief:
-    """The relief valve with a pilot spring precompressed by so much [m]."""
-    return relief(oil_of(rig), pilot_precompression=precompression, **relief_sizes(rig["relief"]))
 
 
 def tube_discharge(reynolds: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ closes the ticks before; a command of a later sample what its controller said be
 import heapq
 from collections.abc import Iterator
 
-from controller.sampling import Sampling
+from controller.grid import Sampling
 
 ALWAYS = 1 << 62
 Ordered = tuple[str, int, int, bytes]  # topic, log time, sequence, payload

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bridge.errors import RunError
-from bridge.machine.clock import NOTE, Stop
+from bridge.machine.process import NOTE, Stop
 from bridge.processes.recorder.run_file import (
     ORDERING,
     Arrival,

@@ -17,11 +17,10 @@ from bridge.recording.summary import NEEDED, summarise
 from bridge.recording.tally import Tally
 from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
-from bridge.wire.messages import TOPICS, decode
-from controller.sampling import NS
+from bridge.wire.messages import SOURCED, TOPICS, decode
+from controller.grid import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
-SOURCED = ("command", "reference")  # topics on which several sources may speak
 ORDERING = ("measurement", "command", "event", "status")  # the recorder follows a run by these, recorded or not
 
 

@@ -8,8 +8,14 @@ from bridge.studies.stability.chart import Plainly
 from bridge.studies.stability.chart_drawing import Overlay, Run
 from bridge.studies.sweep.engine import Crew, sweep
 from bridge.studies.sweep.journal import Point
-from controller.stability.parting import causes
-from controller.stability.swing import KEPT, PLAIN, Loops, checked, swings
+from controller.stability.actuator.parting import causes
+from controller.stability.actuator.swing import (
+    KEPT,
+    PLAIN,
+    Loops,
+    checked,
+    swings,
+)
 
 OWN = {"alpha": PLAIN.alpha, "limit": PLAIN.limit, "start": PLAIN.start}  # what linear theory does not ask for
 NAMES = {"gain": "s", "derivative": "d", "period": "tau", "delay": "delay", "damping": "k"}  # of the chart's numbers

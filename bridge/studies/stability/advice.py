@@ -8,8 +8,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from bridge.loop.controller import gains
 from bridge.scenario import Scenario, ScenarioError
+from bridge.scenario.gains import gains
 from bridge.studies.stability.rig_loop import (
     Timing,
     margins_of,

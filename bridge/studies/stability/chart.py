@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.loop.controller import gains
 from bridge.scenario import Scenario
+from bridge.scenario.gains import gains
 from bridge.studies.stability.advice import held, plants_of
 from bridge.studies.stability.rig_loop import timing_of
 from controller.law import per_metre, volts_per_percent

@@ -5,8 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bridge.loop.controller import gains
 from bridge.scenario import Scenario, changed
+from bridge.scenario.gains import gains
 from bridge.studies.stability.causes import CAUSES, DEAD_BAND, with_causes
 from bridge.studies.stability.probe import STEP, TOLERANCE, critical_gain
 from bridge.studies.stability.rig_loop import Timing, timing_of

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.loop.controller import gains
 from bridge.scenario import Scenario, ScenarioError
+from bridge.scenario.gains import gains
 from bridge.studies.stability.advice import WORDS, plants_of, verdict
 from bridge.studies.stability.rig_loop import (
     edge_of,

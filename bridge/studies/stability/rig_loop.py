@@ -7,8 +7,8 @@ s/m, times s, frequencies Hz.
 import math
 from typing import NamedTuple
 
-from bridge.loop.controller import gains
 from bridge.scenario import Scenario
+from bridge.scenario.gains import gains
 from controller.stability import Margins, Onset, Plant, SampledLoop, loop_onset, margins, sampled_loop, suggested_gain
 
 LATEST = 5.0  # sampling periods, the longest further delay that is looked at

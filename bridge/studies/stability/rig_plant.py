@@ -12,10 +12,16 @@ from scipy.optimize import brentq
 
 from bridge.scenario import Scenario
 from controller.stability import Plant, movable
-from twin.build import build
-from twin.circuit import UPPER, Circuit
-from twin.linear import STATES, edge_point, jacobian, moving_point, to_vector
-from twin.state import State
+from twin.circuit.build import build
+from twin.circuit.linear import (
+    STATES,
+    edge_point,
+    jacobian,
+    moving_point,
+    to_vector,
+)
+from twin.circuit.state import State
+from twin.circuit.step import UPPER, Circuit
 
 POINTS = ("rest", "up", "down")
 WIDEST = 0.2  # opening [of travel] that is looked for beyond the overlap

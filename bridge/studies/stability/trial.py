@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 from bridge.loop.controller import ControllerSide
 from bridge.loop.plant import SAFE, card_of
 from bridge.scenario import Scenario
+from controller.grid import NS, Sampling, is_sample
 from controller.hold import Hold
 from controller.law import Sample
-from controller.sampling import NS, Sampling, is_sample
-from twin.block import OBSERVED, Compiled, compiled, run_block
-from twin.build import build
-from twin.equilibrium import equilibrium
+from twin.circuit.block import Compiled, compiled, run_block
+from twin.circuit.build import build
+from twin.circuit.equilibrium import equilibrium
+from twin.circuit.state import flatten
 from twin.sensors import NOISE_ROWS, acquire, noise_block
-from twin.state import flatten
+from twin.topology import OBSERVED
 
 ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
 DENSEST = 5_000_000  # [ns], between rows of a trace where samples are no closer

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from bridge.drawing.canvas import (
+    Axes,
     Columns,
     Sheet,
     label,
     remark,
     sheet,
 )
-from bridge.figures.valve.impact import patches, patches_legend
 from bridge.studies.sweep.engine import Crew, sweep
 from bridge.studies.sweep.journal import Point, Result
 from twin.chatter.basin import chart
@@ -52,3 +52,23 @@ def draw(
     return {
         "q [-]": q.ravel(), "k [-]": k.ravel(), "kind [0 calm; 1 swings; 2 hits]": kind.ravel(), "top [-]": top.ravel(),
     }, page  # fmt: skip
+
+
+SHADES = ("#f4f4f4", "#f6c36b", "#b5443c")  # calm, swings, hits
+
+
+WORDS = ("calm", "swings freely", "hits its seat")
+
+
+def patches(axes: Axes, x: np.ndarray, y: np.ndarray, kind: np.ndarray) -> None:
+    """Verdicts as coloured cells."""
+    from matplotlib.colors import ListedColormap
+
+    axes.pcolormesh(x, y, kind, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=2.5, shading="nearest")
+
+
+def patches_legend(axes: Axes) -> None:
+    """What the colours mean."""
+    for shade, words in zip(SHADES, WORDS, strict=True):
+        axes.plot([], [], "s", color=shade, markeredgecolor="0.5", label=words)
+    axes.legend(frameon=True, fontsize=8, loc="upper right")

@@ -10,11 +10,20 @@ from bridge.drawing.canvas import (
     label,
     sheet,
 )
-from bridge.figures.valve.static import oil_of, valve_of
-from twin.build import relief_sizes
-from twin.relief import Relief
-from twin.relief_sensitivity import Curve, Identified, Knee, curve, identifiable, knee, sensitivities, set_and_override
-from twin.relief_steady import precompression_for
+from twin.circuit.build import relief_sizes
+from twin.oil import Oil, kinematic_viscosity
+from twin.relief.sensitivity import (
+    Curve,
+    Identified,
+    Knee,
+    curve,
+    identifiable,
+    knee,
+    sensitivities,
+    set_and_override,
+)
+from twin.relief.steady import precompression_for
+from twin.relief.valve import Relief, relief
 from twin.rig import Values
 
 BAR, LITRE_PER_MINUTE = 1e5, 1e-3 / 60.0
@@ -110,3 +119,14 @@ def draw(found: Static) -> tuple[Columns, Sheet]:
         "flow [m^3/s]": c.flow, "pressure [Pa]": c.pressure, "pilot lift [m]": c.pilot_lift,
         "spool lift [m]": c.spool_lift, "pilot flow [m^3/s]": c.pilot_flow,
     }, page  # fmt: skip
+
+
+def oil_of(rig: Values) -> Oil:
+    """The valve's oil; its modulus plays no part at rest."""
+    oil = rig["oil"]
+    return Oil(oil["density"], kinematic_viscosity(oil["temperature"]), 1e9, oil["vapour_pressure"])
+
+
+def valve_of(rig: Values, precompression: float) -> Relief:
+    """The relief valve with a pilot spring precompressed by so much [m]."""
+    return relief(oil_of(rig), pilot_precompression=precompression, **relief_sizes(rig["relief"]))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.view.rig.routes import Points, route, segments
-from twin.profile import PLACES
+from twin.topology import PLACES
 
 STEEL = 7850.0  # [kg/m^3]
 PLATE = 0.36  # [m], side of the load's plates
@@ -115,3 +115,13 @@ def _pipe(pipe: dict[str, Any], start: Points, end: Points, detour: Points) -> P
 def ball_radius(volume: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radius [m] of the ball that a cavity [m^3] is shown as."""
     return CAVITY_SCALE * np.cbrt(3.0 * np.maximum(volume, 0.0) / (4.0 * math.pi))
+
+
+LINE_ENDS = (
+    ("pump", "tee, p1"),
+    ("tee, p1", "valve, P"),
+    ("valve, A", "lower chamber, p2"),
+    ("valve, B", "upper chamber, p3"),
+    ("valve, T", "return tee"),
+    ("return tee", "tank"),
+)

@@ -1,0 +1,66 @@
+"""Verbs about the machine and the wire: messages, doctor."""
+
+from itertools import groupby
+
+import typer
+
+from bridge.cli.app import print_json
+from bridge.cli.options import AS_JSON
+
+
+def messages(as_json: AS_JSON = False) -> None:
+    """Print every key, type, rate, `.msg` text and `struct` format."""
+    from bridge.cli.tables import print_table
+    from bridge.wire.messages import (
+        TOPICS,
+        definition,
+        described,
+        field_names,
+        struct_format,
+    )
+
+    rows = [
+        (
+            f"<rig>/{t.name}",
+            t.type.rpartition("/")[2],
+            t.publisher,
+            t.rate,
+            "data" if t.data else "",
+            t.delivery,
+            _short(struct_format(t.type) or ""),
+        )
+        for t in TOPICS.values()
+    ]
+    keys = ("key", "type", "from", "rate", "kind", "in real time", "struct")
+    types = {topic.type: definition(topic.type) for topic in TOPICS.values()}
+    if as_json:
+        plain = [dict(zip(keys, row, strict=True)) for row in rows]
+        fields = {kind: field_names(kind) for kind in types}
+        print_json({"messages": plain, "definitions": types, "fields": fields})
+        return
+    print_table(keys, rows)
+    for kind in types:
+        print(f"\n# {kind}\n{described(kind).rstrip()}")
+    print("\nPayloads are CDR, little endian: 4 bytes of header (00 01 00 00), then the fields in order.")
+
+
+def _short(layout: str) -> str:
+    """A struct format with runs of a code counted: dddd is 4d."""
+    head, codes = layout[:3], layout[3:]
+    return head + "".join(f"{n}{code}" if (n := len(list(run))) > 1 else code for code, run in groupby(codes))
+
+
+def doctor(as_json: AS_JSON = False) -> None:
+    """Look at this machine: can it run the loop, and how punctually?"""
+    from bridge.cli.tables import print_table
+    from bridge.machine.doctor import examine
+
+    findings = examine()
+    if as_json:
+        print_json([finding._asdict() for finding in findings])
+    else:
+        marks = {"good": "[green]good[/green]", "fair": "[yellow]fair[/yellow]", "bad": "[red]bad[/red]"}
+        print_table(
+            ("", "what", "found", "what to do"), [(marks[f.state], f.what, f.found, f.advice) for f in findings]
+        )
+    raise typer.Exit(1 if any(finding.state == "bad" for finding in findings) else 0)

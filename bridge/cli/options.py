@@ -1,0 +1,77 @@
+"""Arguments and options that several verbs share."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
+TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
+TOLERANCE = Annotated[
+    list[str] | None,
+    typer.Option("--tolerance", metavar="SIGNAL=VALUE", help="Allowed difference: position='0.1 mm'. Repeatable."),
+]
+
+
+def tolerances(texts: list[str] | None) -> dict[str, str]:
+    """Signal -> what may be. Raises ScenarioError for what is no such pair."""
+    from bridge.errors import ScenarioError
+
+    pairs = [text.partition("=") for text in texts or []]
+    for name, sign, value in pairs:
+        if not sign or not value:
+            raise ScenarioError(f"--tolerance {name}: write SIGNAL=VALUE, such as position='0.1 mm'")
+    return {name: value for name, _, value in pairs}
+
+
+class Mode(StrEnum):
+    """What paces the loop."""
+
+    inprocess = "inprocess"
+    lockstep = "lockstep"
+    realtime = "realtime"
+
+
+class ProcessMode(StrEnum):
+    """What paces a process of the loop."""
+
+    lockstep = "lockstep"
+    realtime = "realtime"
+
+
+SCENARIO = Annotated[str, typer.Argument(help="Name of a built-in scenario, or a TOML file.")]
+CHANGES = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a value of the scenario: controller.gain=0.4. Repeatable."),
+]
+AS_JSON = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.")]
+CONFIG = Annotated[
+    Path | None, typer.Option("--zenoh-config", help="Zenoh configuration file: TLS, passwords, access control.")
+]
+MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
+FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")]
+SUPERVISED = Annotated[bool, typer.Option("--supervised", hidden=True)]
+WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one a core]", show_default=False)]
+SCHEDULER = Annotated[
+    str | None, typer.Option(help="Address of a Dask scheduler to run on instead.", metavar="ADDRESS")
+]
+
+
+def nanoseconds(option: str, text: str) -> int:
+    """A time that an option gives, such as "1.2 s" [ns]. Raises ScenarioError."""
+    return round(_quantity(option, text, "s") * 1e9)
+
+
+def _quantity(option: str, text: str, unit: str) -> float:
+    from bridge.errors import ScenarioError
+    from bridge.scenario.units import quantity
+
+    try:
+        found = quantity(text, unit)
+    except ValueError as error:
+        raise ScenarioError(f"{option} {text}: {error}") from None
+    if not 0.0 <= found < 1e15:
+        raise ScenarioError(f"{option} {text}: must be at least 0")
+    return found

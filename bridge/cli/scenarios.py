@@ -1,0 +1,78 @@
+"""Verbs about scenarios: scenarios, schema, describe, convergence."""
+
+from typing import Any
+
+from bridge.cli.app import print_json
+from bridge.cli.options import (
+    AS_JSON,
+    CHANGES,
+    SCENARIO,
+)
+
+
+def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
+    """Print a scenario's circuit: parts, values with their sources, frequencies, travel times, limits of the step."""
+    from bridge.cli.tables import print_table
+    from bridge.scenario import load
+    from bridge.scenario.describe import (
+        PICTURE,
+        facts,
+        step_rows,
+        values_of,
+        warnings,
+    )
+
+    loaded = load(scenario, changes)
+    values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
+    if as_json:
+        keys = ("part", "what", "time", "longest step")
+        limits = [dict(zip(keys, row, strict=True)) for row in steps]
+        print_json({"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits})
+        return
+    print(PICTURE)
+    print_table(("value", "", "", "source"), [(v.name, v.value, "*" if v.changed else "", v.source) for v in values])
+    print()
+    print_table(("what follows", ""), found)
+    print()
+    print_table(("part", "what is fast in it", "its time", "longest step that follows"), steps)
+    for line in warnings(loaded):
+        print(f"warning: {line}")
+
+
+def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
+    """Run a scenario at its step, a half and a quarter of it: error and order of each signal."""
+    from bridge.cli.tables import print_table
+    from bridge.runs.convergence import convergence as compare
+    from bridge.scenario import load
+
+    loaded = load(scenario, changes)
+    rows = compare(loaded)
+    if as_json:
+        print_json([row.plain() for row in rows])
+        return
+    step = loaded.loop.step * 1e6
+    print(f"{loaded.name} at {step:g}, {step / 2:g} and {step / 4:g} us; errors against the finest")
+    print_table(("signal", "rms", "greatest", "order"), [row.words() for row in rows])
+    if any(pipe["model"] == "ends" for name, pipe in loaded.rig_values().items() if name.startswith("pipe_")):
+        print("lines of model ends are fitted anew to each step: what is left of the filters' own error does not fall")
+
+
+def scenarios(as_json: AS_JSON = False) -> None:
+    """List the built-in scenarios."""
+    from bridge.cli.tables import print_table
+    from bridge.scenario import load, names
+
+    rows = [(s.name, s.title, f"{s.duration:g} s", "; ".join(s.expect)) for s in map(load, names())]
+    keys = ("name", "title", "duration", "expects")
+    if as_json:
+        print_json([dict(zip(keys, row, strict=True)) for row in rows])
+    else:
+        print_table(keys, rows)
+
+
+def schema() -> None:
+    """Print the JSON schema of scenario files, for editors."""
+    from bridge.scenario import Scenario
+
+    found: dict[str, Any] = Scenario.model_json_schema()
+    print_json(found)

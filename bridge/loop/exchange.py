@@ -1,0 +1,35 @@
+"""Plant and controller of a scenario in one process, without clock and network: the reference for all other modes."""
+
+from collections.abc import Callable, Iterator
+
+from bridge.loop.controller import ControllerSide
+from bridge.loop.identity import derived
+from bridge.loop.plant import PlantSide
+from bridge.scenario import Scenario
+from bridge.wire.messages import Outgoing
+
+
+def exchange(
+    plant: PlantSide,
+    controller: ControllerSide,
+    ticks: int,
+    lean: bool = False,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Iterator[list[Outgoing]]:
+    """The messages of each tick, the controller's answers included; `lean`: measurements and answers alone."""
+    out = plant.start()
+    while plant.tick_number < ticks and not stopped():
+        answers = controller.answer(plant.measurement)
+        for answer in answers:
+            if answer.topic == "command":
+                plant.take(answer.message)
+        yield out + answers
+        out = plant.tick(lean)
+    ending = "complete" if plant.tick_number == ticks else "interrupted"
+    yield out + controller.answer(plant.measurement) + plant.finish(f"{ending} after {plant.tick_number} ticks")
+
+
+def sides(scenario: Scenario) -> tuple[PlantSide, ControllerSide]:
+    """Plant and controller of the run that the scenario's seed names."""
+    run_id = derived(scenario.seed, scenario.rig_name)
+    return PlantSide(scenario, run_id), ControllerSide(scenario, derived(scenario.seed, "controller"))

@@ -1,0 +1,20 @@
+"""What a recording says of its run at its head."""
+
+import time
+from typing import Any
+
+from bridge.machine.host import host, versions
+from bridge.scenario import Scenario
+
+
+def manifest(scenario: Scenario, run_id: int) -> dict[str, Any]:
+    """The head of an in-process recording."""
+    return {
+        "run_id": str(run_id),
+        "mode": "inprocess",
+        "speed": 0.0,
+        "scenario": scenario.model_dump(mode="json"),
+        "versions": versions(),
+        "host": host(),
+        "recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+    }

@@ -1,0 +1,1 @@
+"""The dimensionless actuator under a sampled law."""

@@ -1,0 +1,1 @@
+"""Periodic orbits, their multipliers and their continuation."""

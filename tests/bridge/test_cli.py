@@ -1,0 +1,153 @@
+"""The command line as a newcomer meets it."""
+
+import json
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+
+import pytest
+from typer.testing import CliRunner
+
+from bridge.cli.verbs import app
+from tests.support.processes import ENVIRONMENT, ROOT, hydrotwin
+
+VERBS = (
+    *("run", "check", "scenarios", "schema", "plant", "controller", "record", "router", "reset"),
+    *("info", "compare", "recover", "export", "replay", "remote"),
+    *("advise", "map"),
+    *("digest", "messages", "figure", "figures", "view", "doctor"),
+)
+
+
+def test_help_names_every_verb_and_the_exit_codes():
+    text = hydrotwin("--help").stdout
+    assert all(verb in text for verb in VERBS)
+    assert "Exit codes" in text
+    assert "--install-completion" in text
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_explains_itself(verb):
+    done = CliRunner().invoke(app, [verb, "--help"])
+    assert done.exit_code == 0
+    assert "Usage" in done.output
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("nonsense",),
+        ("run",),
+        ("run", "nonsense"),
+        ("run", "step", "--mode", "nonsense"),
+        ("run", "step", "--set", "loop.sample_period=1.5ms"),
+        ("run", "step", "--speed", "0"),
+        ("run", "step", "--set", "controller.law=nobody:nothing", "--mode", "inprocess"),
+        ("run", "step", "--set", "loop.daq_period=0.0001", "--set", "loop.viewer_period=0.01"),
+        ("digest", "nonsense.mcap"),
+        ("figure", "nonsense"),
+        ("check", "step", "nonsense"),
+    ],
+)
+def test_wrong_use_exits_with_two_and_without_a_traceback(words, tmp_path):
+    done = hydrotwin(*words, cwd=tmp_path)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stderr
+
+
+def test_run_in_process_leaves_recording_picture_and_summary(tmp_path):
+    done = hydrotwin("run", "step", "--mode", "inprocess", "--duration", "3", "--json", "s.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "s.json").read_text())
+    assert found["metrics"]["rise_time"] == pytest.approx(0.13, abs=0.03)
+    assert len(list((tmp_path / "runs").glob("step-*.mcap"))) == 1
+    assert len(list((tmp_path / "runs").glob("step-*.png"))) == 1
+    for word in ("rise time", "overshoot", "recording", "picture"):
+        assert word in done.stdout
+
+
+def test_run_prints_json_when_asked(tmp_path):
+    done = hydrotwin("run", "step", "--mode", "inprocess", "--duration", "2", "--json", "-", cwd=tmp_path)
+    assert json.loads(done.stdout)["ending"] == "complete after 2000 ticks"
+
+
+def test_seed_and_set_change_the_run(tmp_path):
+    for name, words in (("a", ()), ("b", ("--seed", "2")), ("c", ("--set", "controller.gain=0.5"))):
+        run = ("run", "step", "--mode", "inprocess", "--duration", "1.5", "--record", f"{name}.mcap", *words)
+        assert hydrotwin(*run, cwd=tmp_path).returncode == 0
+    assert hydrotwin("digest", "a.mcap", "a.mcap", cwd=tmp_path).returncode == 0
+    for other in ("b.mcap", "c.mcap"):
+        done = hydrotwin("digest", "a.mcap", other, cwd=tmp_path)
+        assert done.returncode == 1
+        assert "DIFFERS" in done.stdout
+    assert set(json.loads(hydrotwin("digest", "a.mcap", "--json", cwd=tmp_path).stdout)) == {"a.mcap"}
+
+
+def test_check_passes_good_scenarios_and_writes_junit(tmp_path):
+    done = hydrotwin("check", "step", "slow-sampling", "delay", "--junit", "j.xml", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    root = ET.parse(tmp_path / "j.xml").getroot()
+    assert [suite.get("name") for suite in root] == ["step", "slow-sampling", "delay"]
+    assert not list(root.iter("failure"))
+    assert len(list((tmp_path / "runs").glob("*.mcap"))) == 3
+
+
+def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
+    done = hydrotwin("check", "step", "--set", "controller.gain=8", "--junit", "j.xml", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "limit cycle: none" in done.stdout
+    assert "FAILED" in done.stdout
+    messages = [failure.get("message") or "" for failure in ET.parse(tmp_path / "j.xml").getroot().iter("failure")]
+    assert any("mm at" in message and "Hz" in message for message in messages)
+
+
+@pytest.mark.parametrize("name", ["square", "sine", "hold-load"])
+def test_check_passes_the_other_built_in_scenarios(name, tmp_path):
+    done = hydrotwin("check", name, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+
+
+def test_the_stable_gain_of_slow_sampling_is_stable_at_a_millisecond(tmp_path):
+    fast = ("--set", "loop.sample_period=0.001", "--set", "expect=['limit cycle: none']")
+    assert hydrotwin("check", "slow-sampling", *fast, cwd=tmp_path).returncode == 0
+    prompt = ("--set", "loop.delay=0", "--set", "expect=['limit cycle: none']")
+    assert hydrotwin("check", "delay", *prompt, cwd=tmp_path).returncode == 0
+
+
+@pytest.mark.parametrize("verb", ["scenarios", "messages", "figures"])
+def test_lists_come_as_json_too(verb):
+    assert json.loads(hydrotwin(verb, "--json").stdout)
+
+
+def test_messages_print_formats_and_definitions():
+    text = hydrotwin("messages").stdout
+    assert "<4x3Q2qd" in text
+    assert "float64 spool" in text
+
+
+def test_the_schema_is_json_schema():
+    schema = json.loads(hydrotwin("schema").stdout)
+    assert schema["properties"]["loop"]
+
+
+def test_the_readme_speaks_python(tmp_path):
+    """The snippet of the README runs as it stands."""
+    snippet = (ROOT / "README.md").read_text().partition("```python\n")[2].partition("```")[0]
+    done = subprocess.run(
+        [sys.executable, "-c", snippet], capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.split()) == 2
+
+
+def test_the_scenario_of_the_readme_passes_its_own_check(tmp_path):
+    snippet = (ROOT / "README.md").read_text().partition("```toml\n")[2].partition("```")[0]
+    (tmp_path / "own.toml").write_text(snippet)
+    done = hydrotwin("check", "own.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+
+
+def test_completion_can_be_shown():
+    done = hydrotwin("--show-completion", "bash")
+    assert "complete" in done.stdout + done.stderr

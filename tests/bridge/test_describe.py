@@ -1,0 +1,112 @@
+"""`hydrotwin describe`: every value with its source, what the scenario changed, what follows, and warnings."""
+
+import json
+import math
+import re
+
+import pytest
+
+from bridge.scenario import load, names
+from bridge.scenario.describe import (
+    PICTURE,
+    facts,
+    step_rows,
+    values_of,
+    warnings,
+)
+from tests.support.processes import hydrotwin
+from twin.rig import RIG
+
+ALL = [f"{part}.{name}" for part, entries in RIG.items() for name in entries]
+
+
+def test_every_value_of_the_rig_is_there_once_with_its_source():
+    found = values_of(load("step"))
+    assert [value.name for value in found] == ALL
+    for value in found:
+        part, _, name = value.name.partition(".")
+        assert value.value
+        assert value.source == RIG[part][name].source
+        assert not value.changed
+
+
+@pytest.mark.parametrize(
+    ("change", "name", "shown", "otherwise"),
+    [
+        ("rig.load.mass='302 kg'", "load.mass", "302 kg", "120 kg"),
+        ("rig.pump.speed='502 rpm'", "pump.speed", "502 rpm", "1230 rpm"),
+        ("rig.pipe_3.length='2.5 m'", "pipe_3.length", "2.5 m", "2 m"),
+        ("rig.pipe_3.model=nodes", "pipe_3.model", "nodes", "ends"),
+        ("rig.cylinder.leakage_resistance=inf", "cylinder.leakage_resistance", "inf Pa s/m^3", "173.333 bar/(l/min)"),
+        ("rig.oil.temperature='60 degC'", "oil.temperature", "60 degC", "40.07 degC"),
+    ],
+)
+def test_what_the_scenario_changed_is_marked_and_says_what_it_was(change, name, shown, otherwise):
+    changed = [value for value in values_of(load("step", [change])) if value.changed]
+    assert [value.name for value in changed] == [name]
+    assert changed[0].value == shown
+    assert changed[0].source == f"this scenario; otherwise {otherwise}"
+
+
+def number(scenario, start: str) -> float:
+    """The first number of a fact."""
+    text = next(fact.value for fact in facts(scenario) if fact.what.startswith(start))
+    return float(re.findall(r"-?\d+\.?\d*(?:e[+-]?\d+)?", text.removeprefix("p1 ="))[0])
+
+
+def test_facts_are_those_of_the_rig():
+    """26.7 l/min at 35 bar are 87.5 %; 67 bar at that flow, so a little less at rest; 1137 m/s; 40 mm^2/s; 184.5 Hz."""
+    scenario = load("step")
+    assert number(scenario, "oil:") == pytest.approx(40.0, rel=2e-3)
+    assert number(scenario, "pump: mean flow") == pytest.approx(26.7 / 0.875, rel=1e-3)
+    assert number(scenario, "pump: frequency") == pytest.approx(184.5)
+    assert 66.0 < number(scenario, "supply") < 67.0
+    assert 55.0 < number(scenario, "relief valve: cracking") < 67.0
+    assert number(scenario, "relief valve: pilot") == pytest.approx(math.sqrt(811e3 / 10.6e-3) / 2 / math.pi, rel=1e-3)
+    assert number(scenario, "pipe_1") == pytest.approx(1137.0, abs=0.5)
+    assert len([fact for fact in facts(scenario) if fact.what.startswith("pipe_")]) == 6
+
+
+def test_facts_of_what_is_not_fitted_are_left_out():
+    bare = load("step", ["rig.relief.kind=none", "rig.pump.ripple=none"])
+    assert not [fact for fact in facts(bare) if "relief valve:" in fact.what or "teeth" in fact.what]
+
+
+@pytest.mark.parametrize("name", [name for name in names() if not re.search(r"-\d+$", name)])
+def test_every_built_in_scenario_can_be_described(name):
+    scenario = load(name)
+    assert facts(scenario)
+    assert step_rows(scenario)
+
+
+def test_a_step_too_coarse_is_marked_and_warned_of_with_both_numbers():
+    """Pipe 1, 1 m: 0.88 ms, an eighth of it is 110 us."""
+    assert not warnings(load("step", ["loop.step='100 us'"]))
+    coarse = load("step", ["loop.step='125 us'"])
+    said = [line for line in warnings(coarse) if "pipe_1" in line]
+    assert len(said) == 1
+    for word in ("loop.step 125 us", "0.88 ms", "at most 110 us", "hydrotwin convergence"):
+        assert word in said[0]
+    marked = [part for part, _, _, longest in step_rows(coarse) if longest.endswith("TOO COARSE")]
+    assert marked == ["pipe_1"]
+
+
+def test_the_verb_prints_picture_values_facts_limits_and_warnings():
+    done = hydrotwin("describe", "load-change-502", "--set", "loop.step='125 us'")
+    assert done.returncode == 0, done.stderr
+    assert PICTURE in done.stdout
+    for word in ("load.added", "183 kg", "this scenario", "502 rpm", "Table 2.1", "TOO COARSE", "warning: loop.step"):
+        assert word in done.stdout
+
+
+def test_the_verb_prints_json_when_asked():
+    found = json.loads(hydrotwin("describe", "step", "--set", "rig.load.mass=302", "--json").stdout)
+    assert set(found) == {"values", "facts", "step"}
+    assert [value["name"] for value in found["values"] if value["changed"]] == ["load.mass"]
+    assert {row["part"] for row in found["step"]} >= {"pipe_1", "load", "pump", "valve"}
+
+
+def test_a_wrong_change_is_refused_by_the_verb():
+    done = hydrotwin("describe", "step", "--set", "rig.load.mas=3")
+    assert done.returncode == 2
+    assert "did you mean 'mass'" in done.stderr

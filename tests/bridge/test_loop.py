@@ -1,0 +1,169 @@
+"""One loop, four ways to run it, the same data."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bridge.recording.digest import digest
+from bridge.recording.reader import read
+from bridge.runs.in_process import record_in_process
+from bridge.scenario import load
+from controller.grid import NS
+from tests.support.processes import (
+    hydrotwin,
+    run_recorded,
+    started,
+    summary,
+    wait_for,
+)
+
+SHORT = ("step", "--duration", "3")
+LOOSE = (  # a busy machine is no failure here
+    *("--set", "real_time.overruns=100000", "--set", "real_time.length=10"),
+    *("--set", "loop.command_timeout=2"),
+)
+EXACT = ("daq.noise=0", "daq.quantise=false", "rig.cylinder.leakage_resistance=inf")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("loop")
+
+
+@pytest.fixture(scope="module")
+def in_process(folder) -> dict[str, str]:
+    record_in_process(load("step", ["duration=3"]), folder / "inprocess.mcap")
+    return digest(folder / "inprocess.mcap")
+
+
+@pytest.mark.parametrize("again", [1, 2])
+def test_lockstep_through_the_wire_is_the_in_process_loop(folder, in_process, again):
+    path = folder / f"lockstep-{again}.mcap"
+    run_recorded(path, *SHORT, "--mode", "lockstep")
+    assert digest(path) == in_process
+
+
+def test_lockstep_recordings_are_in_order_across_channels(folder, in_process):
+    whole = read(folder / "lockstep-1.mcap")
+    assert [e for e in whole.entries if e.topic != "status"] == read(folder / "inprocess.mcap").entries
+
+
+def test_a_real_time_run_without_late_commands_is_the_same(folder, in_process):
+    """With a delay that a busy machine keeps to; a run that was late all the same says so and is tried again."""
+    for attempt in range(4):
+        path = folder / f"realtime-{attempt}.mcap"
+        run_recorded(path, *SHORT, *LOOSE)
+        result = summary(path)
+        assert result["timing"]["lateness"]["max"] > 0.0
+        if result["commands"]["late"] == 0:
+            assert digest(path) == in_process
+            return
+    pytest.fail("late commands in four runs of three seconds with 5 ms to spare: this machine is too busy to tell")
+
+
+def test_the_gain_lives_in_the_controller_process_alone(folder):
+    """The same plant command line; only the controller is told another gain."""
+    digests = []
+    for gain in ("1", "1.1"):
+        path = folder / f"gain-{gain}.mcap"
+        endpoint = _endpoint()
+        common = ("--mode", "lockstep")
+        changes = ("--set", "duration=1.5", "--run-id", "77", "--await", "recorder", "--await", "controller")
+        controller = ("controller", "step", *common, "--connect", endpoint, "--source", "5")
+        with (
+            started("plant", "step", *common, "--listen", endpoint, *changes) as plant,
+            started("record", "-o", str(path), *common, "--connect", endpoint) as recorder,
+            started(*controller, "--set", f"controller.gain={gain}"),
+        ):
+            assert plant.wait(60) == 0
+            assert recorder.wait(20) == 0
+        digests.append(digest(path))
+    assert digests[0]["state"] != digests[1]["state"]
+    assert digests[0]["command"] != digests[1]["command"]
+
+
+def _endpoint() -> str:
+    from bridge.wire.link import free_endpoint
+
+    return free_endpoint()
+
+
+@pytest.fixture(scope="module")
+def undelayed(folder):
+    return _open_loop_step(folder, "0 ms").columns("state")
+
+
+@pytest.mark.parametrize("delay_ms", [20.0, 50.0])
+def test_a_delay_shifts_the_response_by_exactly_itself(folder, undelayed, delay_ms):
+    """T = 20 ms, delay 1 and 2.5 T, in lockstep: from rest the response is the same, so many samples later."""
+    columns = _open_loop_step(folder, f"{delay_ms:g} ms").columns("state")
+    shift = round(delay_ms)
+    assert np.array_equal(columns["reference"][shift:], undelayed["reference"][:-shift])
+    moved, reference = columns["position"][shift:], undelayed["position"][:-shift]
+    assert reference[-1] - reference[0] > 0.05
+    assert np.abs(moved - reference).max() < 1e-12
+
+
+def _open_loop_step(folder: Path, delay: str):
+    changes = [
+        'controller.law="open-loop"',
+        'rig.pump.ripple="none"',  # teeth do not wait for a delayed command
+        'reference={kind="step", start=0.0, end=0.5, at=0.2}',
+        'loop.sample_period="20 ms"',
+        f'loop.delay="{delay}"',
+        *EXACT,
+    ]
+    flags = [word for change in changes for word in ("--set", change)]
+    path = folder / f"delay-{delay.split()[0]}.mcap"
+    return run_recorded(path, "step", "--duration", "0.8", "--mode", "lockstep", *flags)
+
+
+def test_every_late_command_has_its_instant(folder):
+    """A delay of nothing and samples every millisecond: some are late, and each says when it acted."""
+    path = folder / "late.mcap"
+    recording = run_recorded(path, *SHORT, "--set", "loop.delay=0", "--set", "loop.sample_period=0.001", *LOOSE)
+    late = [event for event in recording.messages("event") if event.kind == "late"]
+    assert summary(path)["commands"]["late"] == len(late)
+    assert all(event.applied_at > event.apply_at for event in late)
+    assert all(event.applied_at % 1_000_000 == 0 for event in late)
+
+
+def test_slow_motion_is_paced_by_its_factor(folder):
+    recording = run_recorded(
+        *(folder / "slow.mcap", "step", "--duration", "1", "--speed", "0.5"),
+        *LOOSE,
+    )
+    assert recording.columns("state")["stamp"][-1] == NS
+    assert recording.metadata["run"]["speed"] == 0.5
+
+
+def test_any_law_of_a_user_closes_the_loop(folder, tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "def law(sample, target, memory, gains):\n"
+        "    error = target.position - sample.position\n"
+        "    return max(-1.0, min(1.0, 5.0 * error + (0.1 if error > 0 else -0.1))), None\n"
+    )
+    path = folder / "mine.mcap"
+    done = hydrotwin(
+        *("run", "step", "--duration", "3", "--mode", "lockstep", "--set", "controller.law=mine:law"),
+        *("--record", str(path)),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert read(path).columns("state")["position"][-1] == pytest.approx(0.16, abs=2e-3)
+
+
+def test_plants_of_two_names_share_one_network(folder):
+    """A second rig connects to the first one's plant as its router, and neither hears the other."""
+    endpoint = _endpoint()
+    with (
+        started("plant", "step", "--set", "rig_name=one", "--set", "duration=60", "--listen", endpoint),
+        started("plant", "step", "--set", "rig_name=two", "--set", "duration=60", "--connect", endpoint) as second,
+    ):
+        path = folder / "two.mcap"
+        with started("record", "-o", str(path), "--rig", "two", "--connect", endpoint) as recorder:
+            wait_for(lambda: path.is_file() and path.stat().st_size > 20_000, 30)
+            second.terminate()
+            assert recorder.wait(20) == 0
+    assert {m.run_id for m in read(path).messages("measurement")} == {int(read(path).metadata["run"]["run_id"])}

@@ -1,0 +1,188 @@
+"""The configurations in examples/network at work: a router, TLS with passwords, access control."""
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zenoh
+
+from bridge.recording.reader import Recording, read
+from bridge.wire.link import (
+    Link,
+    free_endpoint,
+    names_addresses,
+    open_session,
+)
+from bridge.wire.messages import decode
+from tests.support.processes import (
+    ROOT,
+    hydrotwin,
+    started,
+    wait_for,
+)
+
+NETWORK = ROOT / "examples" / "network"
+SECONDS = 1.5
+NOISE = b"no command at all"
+
+
+@pytest.fixture(scope="module")
+def secured(tmp_path_factory) -> Path:
+    """A folder with fresh credentials in it."""
+    if shutil.which("openssl") is None:
+        pytest.fail("the command openssl is missing: it makes the certificates (Debian: apt-get install openssl)")
+    folder = tmp_path_factory.mktemp("secured")
+    subprocess.run([str(NETWORK / "make_credentials.sh")], cwd=folder, check=True, timeout=30, capture_output=True)
+    return folder
+
+
+def tls_endpoint() -> str:
+    return free_endpoint().replace("tcp/", "tls/")
+
+
+def user(name: str) -> tuple[str, ...]:
+    """What a user adds to the command line."""
+    return ("--zenoh-config", f"credentials/{name}.json5")
+
+
+def listening(endpoint: str, file: str) -> tuple[str, ...]:
+    """What whoever listens adds to the command line."""
+    return ("--listen", endpoint, "--zenoh-config", str(NETWORK / file))
+
+
+def run_apart(folder: Path, mode: str, plant: tuple[str, ...], others: dict[str, tuple[str, ...]]) -> Recording:
+    """Plant, controller and recorder as processes of their own; all must end well and in time."""
+    path = folder / "run.mcap"
+    awaited = ("--await", "controller", "--await", "recorder", "--set", f"duration={SECONDS}")
+    commands = [
+        ("plant", "step", *awaited, *plant),
+        ("record", "--output", str(path), *others["recorder"]),
+        ("controller", "step", *others["controller"]),
+    ]
+    with ExitStack() as stack:
+        for process in [stack.enter_context(started(*command, "--mode", mode, cwd=folder)) for command in commands]:
+            assert process.wait(25) == 0, process.communicate()[0]
+    return read(path)
+
+
+def assert_whole(recording: Recording) -> None:
+    """Every tick and every sample is there, and nobody announced more than has come."""
+    summary = recording.metadata["summary"]
+    ticks = round(SECONDS * 1000)
+    assert summary["ending"] == f"complete after {ticks} ticks"
+    assert summary["lost"] == {}
+    assert summary["messages"]["measurement"] == summary["messages"]["state"] == ticks + 1
+    assert summary["commands"]["sent"] == summary["messages"]["reference"] == ticks // 10 + 1
+
+
+def test_a_router_carries_a_real_time_run_without_loss(tmp_path):
+    endpoint = free_endpoint()
+    text = (NETWORK / "router.json5").read_text()
+    assert text.count("tcp/0.0.0.0:7447") == 1
+    (tmp_path / "router.json5").write_text(text.replace("tcp/0.0.0.0:7447", endpoint))
+    connect = ("--connect", endpoint)
+    with started("router", "--zenoh-config", "router.json5", cwd=tmp_path):
+        assert_whole(run_apart(tmp_path, "realtime", connect, {"recorder": connect, "controller": connect}))
+
+
+def test_a_router_carries_an_encrypted_run_of_users_with_passwords(secured):
+    endpoint = tls_endpoint()
+    names = ("plant", "recorder", "controller")
+    known = {name: ("--connect", endpoint, *user(name)) for name in names}
+    with started("router", *listening(endpoint, "tls.json5"), cwd=secured):
+        assert_whole(run_apart(secured, "lockstep", known["plant"], known))
+
+
+def test_a_plant_with_access_control_lets_each_role_do_its_part(secured):
+    """Here the plant itself listens and guards its keys."""
+    endpoint = tls_endpoint()
+    known = {name: ("--connect", endpoint, *user(name)) for name in ("recorder", "controller")}
+    assert_whole(run_apart(secured, "lockstep", listening(endpoint, "access.json5"), known))
+
+
+@pytest.mark.parametrize(
+    ("pattern", "instead"),
+    [(r'password: ".*"', 'password: "guessed"'), (r'user: ".*?"', 'user: "somebody"'), (r"link: .*\n", "")],
+    ids=["password", "user", "authority"],
+)
+def test_what_does_not_fit_is_refused_in_one_line(secured, pattern, instead):
+    """A wrong password, an unknown user, and a client that does not know the certificate's authority."""
+    good = (secured / "credentials/recorder.json5").read_text()
+    bad = re.sub(pattern, instead, good)
+    assert bad != good
+    (secured / "credentials/bad.json5").write_text(bad)
+    endpoint = tls_endpoint()
+    with started("router", *listening(endpoint, "tls.json5"), cwd=secured), session(secured, endpoint, "recorder"):
+        done = hydrotwin("record", "--connect", endpoint, *user("bad"), "--patience", "1", cwd=secured, timeout=20)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"hydrotwin: nobody answers at {endpoint} within 1 s, or refuses the name, password")
+
+
+@contextmanager
+def session(folder: Path, endpoint: str, name: str) -> Iterator[Any]:
+    """A user's own session; the paths in the configuration are made absolute, as this process works elsewhere."""
+    text = (folder / f"credentials/{name}.json5").read_text()
+    own = folder / f"{name}-absolute.json5"
+    own.write_text(text.replace('"credentials/', f'"{folder}/credentials/'))
+    with open_session(Link(None, endpoint, own, 15.0)) as opened:
+        yield opened
+
+
+def test_only_the_controller_reaches_the_valve(secured):
+    """The same bytes on the same key: the plant counts those of the controller, and of others sees nothing."""
+    endpoint = tls_endpoint()
+    plant = ("plant", "step", "--set", "duration=60", "--speed", "0.1", *listening(endpoint, "access.json5"))
+    with (
+        started(*plant, cwd=secured),
+        session(secured, endpoint, "recorder") as outsider,
+        session(secured, endpoint, "controller") as controller,
+    ):
+        statuses: list[dict[str, float]] = []
+        keep = controller.declare_subscriber("rig/status", lambda sample: statuses.append(values(sample)))
+        wait_for(lambda: statuses, 15.0)
+        for key in ("rig/command", "rig/comman$*", "rig/**"):
+            for _ in range(20):
+                outsider.put(key, NOISE, congestion_control=zenoh.CongestionControl.BLOCK)
+        told = len(statuses)
+        wait_for(lambda: len(statuses) > told + 3, 10.0)
+        assert not [status for status in statuses if refused(status)]
+        controller.put("rig/command", NOISE)
+        assert wait_for(lambda: refused(statuses[-1]), 10.0) == {"refused/undecodable": 1.0}
+        keep.undeclare()
+
+
+def values(sample: Any) -> dict[str, float]:
+    status = decode(sample.payload.to_bytes(), "status")
+    return dict(zip(status.names, (float(value) for value in status.values), strict=True))
+
+
+def refused(status: dict[str, float]) -> dict[str, float]:
+    return {name: value for name, value in status.items() if name.startswith("refused/")}
+
+
+def test_a_router_without_addresses_in_its_file_listens_where_it_is_told(tmp_path):
+    """So that one file serves routers and plants on any address."""
+    assert names_addresses(NETWORK / "router.json5")
+    assert not names_addresses(NETWORK / "tls.json5")
+    endpoint = free_endpoint()
+    (tmp_path / "empty.json5").write_text("{}")
+    router = ("router", "--listen", endpoint, "--zenoh-config", "empty.json5")
+    with started(*router, cwd=tmp_path), open_session(Link(None, endpoint, None, 15.0)) as opened:
+        assert len(list(opened.info.routers_zid())) == 1
+
+
+def test_a_mistake_in_a_configuration_is_told_in_one_line(tmp_path):
+    (tmp_path / "wrong.json5").write_text(json.dumps({"scoutin": {}}))
+    done = hydrotwin("router", "--zenoh-config", "wrong.json5", cwd=tmp_path, timeout=20)
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("hydrotwin: wrong.json5: ")
+    assert "scoutin" in line

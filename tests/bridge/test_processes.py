@@ -1,0 +1,225 @@
+"""Real processes that misbehave: stopped, killed, interrupted, intruding."""
+
+import signal
+import struct
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zenoh
+
+from bridge.recording.reader import read
+from bridge.wire.bus import Bus
+from bridge.wire.link import Link, free_endpoint
+from bridge.wire.messages import ValveCommand, encode
+from tests.support.processes import (
+    child,
+    children,
+    grown,
+    hydrotwin,
+    listening,
+    started,
+    wait_for,
+    with_signal,
+)
+
+LOOSE = ("--set", "real_time.overruns=100000", "--set", "real_time.length=100")
+RUNNING = 30_000  # bytes of a recording in which the loop has been seen to run
+
+
+@pytest.fixture
+def path(tmp_path) -> Path:
+    return tmp_path / "a.mcap"
+
+
+def events(path: Path, kind: str) -> list:
+    return [event for event in read(path).messages("event") if event.kind == kind]
+
+
+def test_a_stopped_controller_in_real_time_leads_to_the_safe_state(path):
+    """Within the timeout and one tick of simulated time, said in the recording; the run ends and names the silent."""
+    timeout = ("--set", "loop.command_timeout=0.2")
+    with started("run", "square", "--duration", "6", *timeout, *LOOSE, "--record", str(path)) as run:
+        controller = child(run.pid, "controller")
+        wait_for(lambda: grown(path, RUNNING), 30)
+        with_signal(controller, signal.SIGSTOP)
+        output, _ = run.communicate(timeout=60)
+    assert run.returncode == 1
+    assert "the controller" in output
+    assert "silent" in output
+    (safe,) = events(path, "safe")
+    last = read(path).messages("command")[-1]
+    period, wait, tick = 10_000_000, 200_000_000, 1_000_000
+    assert safe.applied_at - (last.apply_at + period + wait) in range(tick)
+    state = read(path).columns("state")
+    after = state["stamp"] > safe.applied_at
+    assert after.sum() > 1000
+    assert np.all(state["reference"][after] == 0.0)
+
+
+def test_a_stopped_controller_in_lockstep_is_named_with_the_tick(path):
+    lockstep = ("--mode", "lockstep", "--patience", "2")
+    with started("run", "step", "--duration", "600", *lockstep, "--record", str(path)) as run:
+        controller = child(run.pid, "controller")
+        wait_for(lambda: grown(path, RUNNING), 30)
+        with_signal(controller, signal.SIGSTOP)
+        begin = time.monotonic()
+        output, _ = run.communicate(timeout=40)
+    assert time.monotonic() - begin < 20.0
+    assert run.returncode == 1
+    assert "the controller has not answered the measurement of tick " in output
+    assert "Traceback" not in output
+    ended = events(path, "ended")[-1]
+    assert ended.text.startswith("failed: the controller has not answered")
+    state = read(path).columns("state")["stamp"]
+    assert np.array_equal(np.diff(state), np.full(len(state) - 1, 1_000_000))
+
+
+def test_a_killed_controller_is_named_and_nothing_is_left(path):
+    with started("run", "step", "--duration", "20", "--record", str(path)) as run:
+        controller = child(run.pid, "controller")
+        wait_for(lambda: grown(path, RUNNING), 30)
+        ours = set(children(run.pid))
+        with_signal(controller, signal.SIGKILL)
+        output, _ = run.communicate(timeout=40)
+        assert run.returncode == 1
+        assert f"the controller (pid {controller}) ended with killed by SIGKILL" in output.replace("\n", " ")
+        assert not any(alive(pid) for pid in ours)
+
+
+def alive(pid: int) -> bool:
+    status = Path(f"/proc/{pid}/stat")
+    return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+@pytest.mark.parametrize("seconds", [0.3, 1.2, 3.0])
+def test_ctrl_c_at_any_time_leaves_no_process_and_a_readable_recording(path, seconds):
+    with started("run", "step", "--duration", "60", "--record", str(path)) as run:
+        time.sleep(seconds)
+        ours = set(children(run.pid))
+        with_signal(run.pid, signal.SIGINT)
+        output, _ = run.communicate(timeout=40)
+        assert "Traceback" not in output
+        assert not any(alive(pid) for pid in ours)
+    if path.exists() and read(path).columns("state")["stamp"].size:
+        assert read(path).complete
+        assert events(path, "ended")[-1].text.startswith("interrupted")
+        assert "interrupted" in output
+
+
+def test_a_stalled_recorder_neither_holds_the_plant_nor_loses_a_message(path):
+    """Stopped for two seconds: ticks go on, by far less late than that, and what was sent meanwhile still comes."""
+    with started("run", "square", "--duration", "6", *LOOSE, "--record", str(path)) as run:
+        recorder = child(run.pid, "record")
+        wait_for(lambda: grown(path, RUNNING), 30)
+        with_signal(recorder, signal.SIGSTOP)
+        time.sleep(2.0)
+        with_signal(recorder, signal.SIGCONT)
+        run.communicate(timeout=60)
+    recording = read(path)
+    assert recording.metadata["summary"]["timing"]["lateness"]["max"] < 1.0
+    assert len(recording.columns("measurement")["tick"]) == 6001
+    assert not recording.metadata["summary"]["lost"]
+
+
+def test_a_killed_supervisor_takes_its_processes_along(path):
+    with started("run", "step", "--duration", "60", "--record", str(path)) as run:
+        wait_for(lambda: grown(path, RUNNING), 30)
+        ours = set(children(run.pid))
+        with_signal(run.pid, signal.SIGKILL)
+        wait_for(lambda: not any(alive(pid) for pid in ours), 20)
+    assert read(path).complete
+
+
+def test_intruders_are_refused_told_and_change_nothing(tmp_path):
+    """In lockstep, over the wire: the same true states, bit for bit, with and without them."""
+    quiet, disturbed = tmp_path / "quiet.mcap", tmp_path / "disturbed.mcap"
+    run = ("run", "step", "--duration", "3", "--mode", "lockstep")
+    assert hydrotwin(*run, "--record", str(quiet)).returncode == 0
+    endpoint = free_endpoint()
+    with started(*run, "--listen", endpoint, "--record", str(disturbed)) as process:
+        noise(endpoint, int(read(quiet).metadata["run"]["run_id"]))
+        output, _ = process.communicate(timeout=60)
+        assert process.returncode == 0, output
+    calm, wild = read(quiet), read(disturbed)
+    for topic in ("measurement", "state"):
+        assert [e.data for e in calm.of(topic)] == [e.data for e in wild.of(topic)]
+    refused = wild.metadata["summary"]["commands"]["refused"]
+    assert set(refused) >= {"undecodable", "not finite", "out of range", "far future", "second controller"}
+    told = {event.text.partition(":")[0] for event in wild.messages("event") if event.kind == "refused"}
+    assert told == set(refused)
+
+
+def noise(endpoint: str, run_id: int) -> None:
+    """Send all kinds of wrong commands until the plant is gone."""
+    with Bus(Link(None, endpoint, None, 30.0), "rig", "intruder", blocking=True) as bus:
+        came: list[bytes] = []
+        bus.subscribe("command", lambda sample: came.append(sample.payload.to_bytes()))
+        bus.watch()
+        wait_for(lambda: len(came) > 5, 30)
+        _, owner, sequence, stamp, _, _ = struct.unpack("<4xQQQqqd", came[-1])
+        for turn in range(100):
+            for source, number, ahead, spool in (
+                (4711, turn, 0, 0.9),
+                (4711, turn, 0, float("nan")),
+                (4711, turn, 0, 1e300),
+                (owner, sequence, 60_000_000_000, 0.5),
+            ):
+                wrong = ValveCommand(run_id, source, number, stamp, stamp + ahead, spool)
+                bus.session.put("rig/command", encode(wrong))
+            bus.session.put("rig/command", b"no command at all")
+            bus.session.put("rig/command", b"\x00" * 52, encoding=zenoh.Encoding("application/cdr;std_msgs/msg/String"))
+            time.sleep(0.005)
+
+
+def test_a_second_controller_is_told_and_goes(tmp_path):
+    endpoint, path = free_endpoint(), tmp_path / "a.mcap"
+    with started("run", "square", "--duration", "8", *LOOSE, "--listen", endpoint, "--record", str(path)) as run:
+        wait_for(lambda: grown(path, RUNNING), 30)
+        second = hydrotwin("controller", "square", "--connect", endpoint, timeout=30)
+        assert second.returncode == 1
+        assert "the plant refuses this controller" in second.stderr
+        assert "Traceback" not in second.stderr
+        run.communicate(timeout=60)
+    assert "second controller" in read(path).metadata["summary"]["commands"]["refused"]
+
+
+def test_reset_leaves_the_safe_state(tmp_path):
+    """The controller is stopped and continued: latched, its commands are refused until somebody resets."""
+    endpoint, path = free_endpoint(), tmp_path / "a.mcap"
+    timeout = ("--set", "loop.command_timeout=0.1")
+    with started(
+        *("run", "square", "--duration", "9", *timeout, *LOOSE, "--listen", endpoint, "--record", str(path))
+    ) as run:
+        controller = child(run.pid, "controller")
+        wait_for(lambda: grown(path, RUNNING), 30)
+        with_signal(controller, signal.SIGSTOP)
+        time.sleep(0.6)
+        with_signal(controller, signal.SIGCONT)
+        time.sleep(0.5)
+        assert hydrotwin("reset", "--connect", endpoint).returncode == 0
+        run.communicate(timeout=60)
+    assert len(events(path, "reset")) == 1
+    assert read(path).metadata["summary"]["commands"]["refused"]["latched"] > 10
+    reset_at = events(path, "reset")[0].stamp
+    state = read(path).columns("state")
+    assert np.abs(state["reference"][state["stamp"] > reset_at]).max() > 0.0
+
+
+def test_nobody_at_home_is_said_in_one_line():
+    for command in (("controller", "step"), ("record",)):
+        done = hydrotwin(*command, "--connect", free_endpoint(), "--patience", "1")
+        assert done.returncode == 1
+        assert done.stderr.count("\n") == 1
+        assert "nobody answers" in done.stderr
+
+
+def test_a_taken_address_is_said_in_one_line():
+    endpoint = free_endpoint()
+    with started("plant", "step", "--listen", endpoint):
+        wait_for(lambda: listening(endpoint), 60)
+        done = hydrotwin("plant", "step", "--listen", endpoint)
+    assert done.returncode == 1
+    assert "cannot listen" in done.stderr
+    assert done.stderr.count("\n") == 1

@@ -1,0 +1,151 @@
+"""A running plant in Rerun: all of it arrives, a stalled or closed viewer holds nobody, mistakes get one line."""
+
+import signal
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bridge.loop.exchange import exchange, sides
+from bridge.recording.manifest import manifest
+from bridge.recording.reader import Entry
+from bridge.scenario import load
+from bridge.view.inbox import WATCHED, Inbox, run_of
+from bridge.wire.bus import STAMP
+from bridge.wire.link import free_endpoint
+from bridge.wire.messages import encode
+from tests.bridge.test_view import column
+from tests.support.processes import (
+    hydrotwin,
+    started,
+    wait_for,
+    with_signal,
+)
+
+pytest.importorskip("rerun")
+LONG = ["--set", "duration=3", "--set", "real_time.overruns=100000", "--set", "real_time.length=10 s"]
+
+
+def sample(payload: bytes, stamp: tuple[int, int] | None = (0, 0)) -> SimpleNamespace:
+    """A message as Zenoh hands it over."""
+    attached = None if stamp is None else SimpleNamespace(to_bytes=lambda: STAMP.pack(*stamp))
+    return SimpleNamespace(payload=SimpleNamespace(to_bytes=lambda: payload), attachment=attached)
+
+
+def messages(duration: float) -> tuple[dict, list[Entry]]:
+    """Head and messages of a run in process."""
+    scenario = load("step", [f"duration={duration}"])
+    plant, controller = sides(scenario)
+    sent = [m for tick in exchange(plant, controller, scenario.ticks) for m in tick]
+    entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in sent]
+    return manifest(scenario, plant.run_id), [entry for entry in entries if entry.topic in WATCHED]
+
+
+class Ring(list):
+    """What Zenoh's ring does: the next message, or None."""
+
+    def try_recv(self) -> SimpleNamespace | None:
+        return self.pop(0) if self else None
+
+
+def test_inbox_counts_what_the_ring_has_left_out():
+    _, entries = messages(0.02)
+    states = [entry for entry in entries if entry.topic == "state"]
+    ring = Ring(
+        sample(entry.data, (entry.log_time, entry.sequence)) for entry in states if entry.sequence not in (3, 4, 9)
+    )
+    box = Inbox({"state": ring})
+    assert len(box.take()) == len(states) - 3
+    assert box.left_out == 3
+    assert box.take() == []
+
+
+def test_inbox_hands_on_no_noise():
+    noise = {topic: Ring([sample(b"\x00\x01\x00\x00noise")]) for topic in ("state", "lines", "event")}
+    assert Inbox(noise).take() == []
+    assert Inbox({"state": Ring([sample(b"", None)])}).take() == []
+
+
+def test_every_message_begins_with_its_run():
+    head, entries = messages(0.04)
+    assert {run_of(entry) for entry in entries} == {int(head["run_id"])}
+
+
+@pytest.mark.parametrize("size", [1, 7, 1000])
+def test_batches_of_any_size_draw_the_same(tmp_path: Path, size: int):
+    """A profile and the state of its tick may come in different batches."""
+    import rerun as rr
+
+    from bridge.view.live_drawing import Drawing
+
+    head, entries = messages(0.1)
+    stream, path = rr.RecordingStream("hydrotwin"), tmp_path / "a.rrd"
+    stream.save(path)
+    drawing = Drawing(stream, head, bare=False)
+    for begin in range(0, len(entries), size):
+        drawing.add(entries[begin : begin + size])
+    stream.disconnect()
+    stamps, values = column(path, "/position_mm/piston", "Scalars:scalars")
+    assert sorted(stamps) == [k * 1_000_000 for k in range(101)]
+    assert len(values) == 101
+    assert sorted(column(path, "/rig/piston", "Transform3D:translation")[0]) == [k * 20_000_000 for k in range(6)]
+    assert drawing.seconds == pytest.approx(0.1)
+
+
+@contextmanager
+def running(*changes: str):
+    """A scenario in real time and the address of its plant."""
+    endpoint = free_endpoint()
+    with started("run", "step", *LONG, "--listen", endpoint, *changes) as process:
+        yield process, endpoint
+
+
+def test_a_running_plant_is_drawn_to_its_end(tmp_path: Path):
+    """Into a file, tick by tick: at 1 kHz nothing is missing between the first and the last."""
+    path = tmp_path / "live.rrd"
+    with running("--record", str(tmp_path / "a.mcap"), "--set", "duration=9") as (_, endpoint):
+        done = hydrotwin("view", "--connect", endpoint, "--save", str(path), "--patience", "60")
+    assert done.returncode == 0, done.stderr
+    stamps = np.sort(column(path, "/position_mm/piston", "Scalars:scalars")[0])
+    assert stamps[-1] == 9_000_000_000
+    assert np.diff(stamps).tolist() == [1_000_000] * (len(stamps) - 1)
+    assert len(stamps) > 1000
+    assert any("ended" in text for text in column(path, "/events", "TextLog:text")[1])
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
+def test_a_stalled_or_killed_viewer_holds_nobody(tmp_path: Path, number: signal.Signals):
+    """The run is as long as without it and loses nothing."""
+    view = tmp_path / "a.rrd"
+    with (
+        running("--record", str(tmp_path / "a.mcap")) as (process, endpoint),
+        started("view", "--connect", endpoint, "--save", str(view), "--patience", "60") as viewer,
+    ):
+        wait_for(view.exists, 60.0)
+        begin = time.monotonic()
+        with_signal(viewer.pid, number)
+        assert process.wait(30) == 0, process.stdout.read() if process.stdout else ""
+        assert time.monotonic() - begin < 12.0
+    from bridge.recording.reader import read
+
+    recording = read(tmp_path / "a.mcap")
+    assert recording.counts["state"] == 3001
+    assert recording.metadata["summary"]["lost"] == {}
+
+
+def test_mistakes_get_one_line(tmp_path: Path):
+    nobody = free_endpoint()
+    for arguments, complaint in (
+        (("--connect", nobody, "--patience", "0.3", "--save", "a.rrd"), "nobody answers"),
+        (("--web", "--save", "a.rrd"), "choose one"),
+        (("--screenshot", "a.jpg"), "name it a.png"),
+        (("--screenshot", "missing/a.png"), "there is no folder missing"),
+        (("--at", "soon"), "--at soon"),
+    ):
+        done = hydrotwin("view", *arguments, cwd=tmp_path)
+        assert done.returncode in (1, 2)
+        assert complaint in done.stderr
+        assert done.stderr.count("\n") == 1

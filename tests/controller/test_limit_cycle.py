@@ -1,0 +1,370 @@
+"""Periodic orbits of the analogue loop against scipy, closed forms, finite differences and plain runs of the loop."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.integrate import quad_vec, solve_ivp
+
+from controller.stability.actuator.analogue import analogue_edge, analogue_frequency
+from controller.stability.actuator.model import Actuator, mirror
+from controller.stability.actuator.relay import relay_edge
+from controller.stability.orbits.arc import (
+    CROSSED,
+    PROPORTIONAL,
+    RELAY,
+    follow,
+)
+from controller.stability.orbits.birth import (
+    birth_slopes,
+    linear_relay_orbit,
+    proportional_birth,
+    relay_birth,
+)
+from controller.stability.orbits.continuation import Branch, Limits, follow_branch
+from controller.stability.orbits.floquet import (
+    attracts,
+    orbit_multipliers,
+    other_multipliers,
+    peaks,
+    profile,
+    samples,
+)
+from controller.stability.orbits.limit_cycle import (
+    Orbit,
+    as_two_arcs,
+    equations,
+    pack,
+    solve,
+    with_gain,
+)
+
+PLANT = Actuator(0.01, 0.5, 0.5)  # of Figs 5.4 and 5.5
+FALLING = PLANT._replace(k=-0.2)  # friction that falls with speed
+S, D = 10.0, 0.1
+LEAST = np.array([1e-18, 1e-16, 1e-13, 1e-13])  # absolute errors of scipy: small orbits are small in x first
+EDGE = float(analogue_edge(D, PLANT.k, PLANT.gamma))
+
+
+def relay_branch(plant: Actuator, least: float, most: float, longest: float = 10.0) -> Branch:
+    return follow_branch(relay_birth(plant, S, 0.005), "d", -1.0, Limits(least, most, longest, 0.05, 200))
+
+
+def proportional_branch(to: float, kind: int = PROPORTIONAL) -> Branch:
+    limits = Limits(min(to, EDGE), max(to, EDGE), 10.0, 0.05, 200)
+    return follow_branch(proportional_birth(PLANT, D, 1e-6, kind), "s", math.copysign(1.0, to - EDGE), limits)
+
+
+@pytest.fixture(scope="module")
+def orbits() -> dict[str, Orbit]:
+    """Of the relay with pressures inside, and passing supply; of the proportional valve; of crossed edges."""
+    return {
+        "relay": relay_branch(PLANT, 0.25, 1.0).orbits[-1],
+        "passing": relay_branch(PLANT, 0.15, 1.0).orbits[-1],
+        "proportional": proportional_branch(1.8).orbits[-1],
+        "crossed": proportional_branch(1.2, CROSSED).orbits[-1],
+    }
+
+
+@pytest.fixture(scope="module")
+def folded() -> Branch:
+    return relay_branch(FALLING, 0.0, 0.3, 0.8)
+
+
+def root(drop: float) -> float:
+    return math.copysign(math.sqrt(abs(drop)), drop)
+
+
+def rates(orbit: Orbit, side: float) -> Callable[[float, np.ndarray], list[float]]:
+    """y' of (5.7), (5.8) with the pure root, written out again; `side` is the relay's u, or of the crossed arc."""
+    (alpha, gamma, k), (s, d), kind = orbit.loop.actuator, orbit.loop.gains, orbit.loop.kind
+
+    def of(_t: float, y: np.ndarray) -> list[float]:
+        y1, y2, y3, y4 = y
+        u = side if kind == RELAY else -(s * y1 + d * y2)
+        opens_up = (u > 0.0) if kind == PROPORTIONAL else (side > 0.0) != (kind == CROSSED)
+        q1, q2 = (u * root(1.0 - y3), -u * root(y4)) if opens_up else (u * root(y3), -u * root(1.0 - y4))
+        speed3, speed4 = (gamma * q1 - y2) / (alpha * (1.0 + y1)), (gamma * q2 + y2) / (alpha * (1.0 - y1))
+        return [y2, alpha * (y3 - y4) - k * y2, speed3, speed4]
+
+    return of
+
+
+def run(orbit: Orbit, start: np.ndarray, side: float, time: float, to_switch: bool = False, stiff: bool = False):
+    """scipy's run with the valve on one side; to the next switch, if so wanted and if it comes first. Pressures
+    that pass the supply are stiff there."""
+    s, d = orbit.loop.gains
+
+    def switch(_t: float, y: np.ndarray) -> float:
+        return s * y[0] + d * y[1]
+
+    switch.terminal, switch.direction = True, side  # pyright: ignore[reportFunctionMemberAccess]
+    events = switch if to_switch else None
+    return solve_ivp(
+        rates(orbit, side),
+        (0.0, time),
+        start,
+        "LSODA" if stiff else "DOP853",
+        rtol=1e-9 if stiff else 1e-11,
+        atol=LEAST,
+        events=events,
+    )
+
+
+@pytest.mark.parametrize("name", ["relay", "passing", "proportional", "crossed"])
+def test_an_orbit_returns_to_itself(orbits: dict[str, Orbit], name: str):
+    """By scipy at 1e-11, with the root itself where the orbit was found with an edge laminar at 1e-9 of the supply."""
+    orbit = orbits[name]
+    y = orbit.starts[0]
+    for side in (1.0, -1.0):
+        y = run(orbit, y, side, orbit.lengths[0], stiff=name == "passing").y[:, -1]
+    assert y == pytest.approx(orbit.starts[0], abs=1e-8)
+    assert y[:2] == pytest.approx(orbit.starts[0, :2], abs=1e-11)
+    s, d = orbit.loop.gains
+    assert s * y[0] + d * y[1] == pytest.approx(0.0, abs=1e-10)
+
+
+def test_the_equations_have_the_derivatives_they_say(orbits: dict[str, Orbit]):
+    """Central differences of 1e-6, relative to what each unknown is; two arcs that are no orbit."""
+    for name, parameter in (("relay", "d"), ("proportional", "s"), ("crossed", "s")):
+        orbit = as_two_arcs(orbits[name])
+        x = pack(orbit, parameter) * (1.0 + 0.02 * np.random.default_rng(3).normal(size=11))
+        slopes = equations(x, orbit.loop, parameter)[1]
+        for j, unit in enumerate(np.eye(11)):
+            step = 1e-6 * max(abs(x[j]), 1e-3)
+            seen = np.subtract(*(equations(x + sign * step * unit, orbit.loop, parameter)[0] for sign in (1, -1)))
+            assert seen / (2.0 * step) == pytest.approx(slopes[:, j], rel=1e-4, abs=2e-4)
+
+
+def test_the_linear_relay_orbit_is_half_a_turn_of_the_linear_loop():
+    """z(T) = -z(0) and h(z(0)) = 0 by scipy; d falls from d_H by the square of T."""
+    alpha, gamma, k = PLANT
+    z, d = linear_relay_orbit(0.03, S, PLANT)
+    g, root2 = gamma / (math.sqrt(2.0) * alpha), math.sqrt(2.0)
+
+    def linear(_t: float, z: np.ndarray) -> list[float]:
+        return [z[1], z[2] - k * z[1], -2.0 * z[1] - g * z[2] + root2 * gamma]
+
+    end = solve_ivp(linear, (0.0, 0.03), z, rtol=1e-12, atol=1e-16).y[:, -1]
+    assert end == pytest.approx(-z, rel=1e-9)
+    assert S * z[0] + d * z[1] == pytest.approx(0.0, abs=1e-15)
+    edge = float(relay_edge(S, k, gamma, alpha))
+    gaps = [edge - linear_relay_orbit(T, S, PLANT)[1] for T in (2e-3, 1e-3)]
+    assert gaps[0] / gaps[1] == pytest.approx(4.0, rel=1e-3)
+
+
+def test_the_relay_orbit_vanishes_at_d_h_as_the_linear_one():
+    """T and the swing of y3 go to 0 together, y2 as T^2, y1 as T^3, d to 0.2789; errors of second order in T."""
+    times = (2e-3, 1e-3)
+    found = [relay_birth(PLANT, S, T) for T in times]
+    d = [orbit.loop.gains.d for orbit in found]
+    edge = (4.0 * d[1] - d[0]) / 3.0
+    assert edge == pytest.approx(float(relay_edge(S, *PLANT[::-1])), rel=1e-6)
+    assert edge == pytest.approx(0.2789, abs=5e-5)
+    tops = np.array([peaks(orbit) - [0.0, 0.0, 0.5, 0.5] for orbit in found])
+    assert np.log2(tops[0] / tops[1]) == pytest.approx([3.0, 2.0, 1.0, 1.0], abs=0.01)
+    swings = [orbit.starts[0, 2] - 0.5 for orbit in found]
+    linear = [0.5 * linear_relay_orbit(T, S, PLANT)[0][2] / PLANT.alpha for T in times]
+    gaps = np.array(swings) / linear - 1.0
+    assert abs(gaps[0]) < 1e-3
+    assert gaps[0] / gaps[1] == pytest.approx(4.0, rel=0.02)
+
+
+def test_the_proportional_orbit_is_born_at_the_edge():
+    orbit = proportional_birth(PLANT, D, 1e-8)
+    assert orbit.loop.gains.s == pytest.approx(1.4642, abs=5e-5)
+    assert math.pi / orbit.lengths[0] == pytest.approx(1.4390, abs=5e-5)
+    assert orbit.lengths[0] == pytest.approx(2.1832, abs=5e-5)
+
+
+@pytest.mark.parametrize(("kind", "sign"), [(PROPORTIONAL, 1.0), (CROSSED, -1.0)])
+@pytest.mark.parametrize("plant", [PLANT, Actuator(0.05, 0.23, 1.5)])
+def test_gain_and_period_leave_the_edge_as_harmonic_balance_has_it(plant: Actuator, kind: int, sign: float):
+    """Both by their chords to two small amplitudes, extrapolated to none; the arcs err by 1e-11 of the supply."""
+    edge, half = float(analogue_edge(D, plant.k, plant.gamma)), math.pi / float(analogue_frequency(D, plant.gamma))
+    chords = []
+    for speed in (2e-3 * plant.alpha, 4e-3 * plant.alpha):
+        orbit = proportional_birth(plant, D, speed, kind)
+        chords.append(np.array([orbit.loop.gains.s - edge, orbit.lengths[0] - half]) / speed)
+    slopes = sign * np.array(birth_slopes(D, plant))
+    assert 2.0 * chords[0] - chords[1] == pytest.approx(slopes, rel=3e-4)
+
+
+def test_every_damped_loop_is_born_soft():
+    """ds/d|y2| is at least 4/(3 pi) (omega^2 + k^2)/(2 alpha omega) of what an opening of one amplitude is."""
+    least, most = np.log([1e-3, 0.01, 0.01, 0.01]), np.log([0.1, 3.0, 5.0, 5.0])
+    for alpha, gamma, k, d in np.exp(np.random.default_rng(8).uniform(least, most, (300, 4))):
+        omega = float(analogue_frequency(d, gamma))
+        edge = float(analogue_edge(d, k, gamma))
+        opening = math.hypot(edge, d * omega) ** 2 / (omega * edge)  # |q| per |y2| at the switch
+        bound = 4.0 / (3.0 * math.pi) * opening * (omega**2 + k**2) / (2.0 * alpha)
+        assert birth_slopes(d, Actuator(alpha, gamma, k))[0] >= 0.999999 * bound
+
+
+@pytest.mark.parametrize("name", ["relay", "proportional"])
+def test_multipliers_are_those_of_the_motion_over_a_period(orbits: dict[str, Orbit], name: str):
+    """Central differences of scipy's run over a period from the middle of an arc, through the switchings."""
+    orbit = orbits[name]
+    middle = samples(orbit, 0, 2)[1][1]
+    size = 1e-4 * np.append(peaks(orbit)[:2], [1.0, 1.0])
+
+    def turned(y: np.ndarray) -> np.ndarray:
+        time, side = 0.0, 1.0
+        while True:
+            piece = run(orbit, y, side, orbit.period - time, to_switch=True)
+            y, time, side = piece.y[:, -1], time + piece.t[-1], -side
+            if piece.status == 0:
+                return y
+
+    seen = np.array([turned(middle + e) - turned(middle - e) for e in np.diag(size)]).T / (2.0 * size)
+    assert np.sort(np.linalg.eigvals(seen)) == pytest.approx(np.sort(orbit_multipliers(orbit)), abs=2e-5)
+    assert np.abs(orbit_multipliers(orbit) - 1.0).min() < 1e-8
+
+
+@pytest.mark.parametrize("name", ["relay", "proportional", "crossed"])
+def test_the_product_of_the_multipliers_is_what_the_field_does_to_volumes(orbits: dict[str, Orbit], name: str):
+    """Liouville: exp of the divergence over the period; a switch adds nothing, its saltation has determinant 1."""
+    orbit = orbits[name]
+    (alpha, gamma, k), (s, d) = orbit.loop.actuator, orbit.loop.gains
+
+    def divergence(time: float) -> float:
+        y1, y2, y3, y4 = follow(orbit.starts[0], max(time, 1e-12), orbit.loop, 1e-11, False)[0][:4]
+        u = 1.0 if name == "relay" else -(s * y1 + d * y2)
+        low, high = (y3, 1.0 - y4) if name == "crossed" else (1.0 - y3, y4)
+        sign = -1.0 if name == "crossed" else 1.0
+        return -k - sign * gamma * u / (2.0 * alpha) * (low**-0.5 / (1.0 + y1) + high**-0.5 / (1.0 - y1))
+
+    area = quad_vec(divergence, 0.0, orbit.lengths[0], epsrel=1e-9)[0]
+    assert np.prod(orbit_multipliers(orbit)).real == pytest.approx(math.exp(2.0 * area), rel=1e-6)
+
+
+def test_an_orbit_through_the_supply_forgets_its_pressures(orbits: dict[str, Orbit]):
+    """Two multipliers are 0; where the edge becomes laminar does not matter."""
+    orbit = orbits["passing"]
+    assert peaks(orbit)[2] > 1.0
+    assert np.abs(orbit_multipliers(orbit)[2:]).max() < 1e-12
+    coarse = solve(orbit._replace(loop=orbit.loop._replace(laminar=1e-7)))
+    assert coarse.lengths == pytest.approx(orbit.lengths, rel=1e-6)
+    assert other_multipliers(coarse)[0] == pytest.approx(other_multipliers(orbit)[0], abs=1e-5)
+
+
+def test_greatest_values_are_those_of_a_fine_run(orbits: dict[str, Orbit]):
+    orbit = orbits["proportional"]
+    span = 0.0, orbit.period
+    fine = solve_ivp(rates(orbit, 1.0), span, orbit.starts[0], "DOP853", rtol=1e-10, atol=1e-12, max_step=0.01)
+    assert peaks(orbit) == pytest.approx(fine.y.max(axis=1), rel=1e-4)
+    times, states = profile(orbit, 8)
+    assert times[-1] == pytest.approx(orbit.period, rel=1e-12)
+    assert states[-1] == pytest.approx(states[0], abs=1e-9)
+    assert states[4] == pytest.approx(mirror(states[13]), abs=1e-9)
+
+
+@pytest.mark.parametrize(("name", "parameter"), [("relay", "d"), ("proportional", "s")])
+def test_two_free_arcs_find_the_symmetric_orbit(orbits: dict[str, Orbit], name: str, parameter: str):
+    """From a guess 1 % off, each arc its own way: no other orbit is near. Same multipliers."""
+    both, shake = as_two_arcs(orbits[name]), np.random.default_rng(1)
+    found = solve(
+        both._replace(
+            starts=both.starts * (1.0 + 0.01 * shake.normal(size=(2, 4))), lengths=both.lengths * np.array([1.02, 0.99])
+        ),
+        parameter,
+    )
+    assert found.starts == pytest.approx(both.starts, rel=1e-8)
+    assert found.lengths == pytest.approx(both.lengths, rel=1e-8)
+    assert orbit_multipliers(found) == pytest.approx(orbit_multipliers(orbits[name]), abs=1e-7)
+
+
+def test_the_source_s_branches():
+    """Fig. 5.4 at d = 0, and both halves of Fig. 5.5: T 2.165 at s = 2; 2.195 at s = 1, with crossed edges."""
+    relay = relay_branch(PLANT, 0.0, 1.0)
+    assert relay.attracts.all()
+    assert not relay.folds
+    assert peaks(relay.orbits[-1])[:2] == pytest.approx([3.8e-4, 2.68e-3], rel=0.02)
+    above, below = proportional_branch(2.0), proportional_branch(1.0, CROSSED)
+    assert above.attracts.all()
+    assert not below.attracts.any()
+    assert not above.folds + below.folds
+    assert above.periods[-1] / 2.0 == pytest.approx(2.1645, abs=5e-4)
+    assert below.periods[-1] / 2.0 == pytest.approx(2.1956, abs=5e-4)
+    assert (np.diff(above.values) > 0.0).all()
+    assert (np.diff(below.values) < 0.0).all()
+
+
+def test_a_branch_folds_where_a_multiplier_passes_one(folded: Branch):
+    """The relay with falling friction: d turns, one multiplier passes +1, the orbit of longer period repels."""
+    assert len(folded.folds) == 1
+    fold = folded.folds[0]
+    assert fold.loop.gains.d <= folded.values.min()
+    pair = orbit_multipliers(fold)[:2]
+    assert np.prod(pair).real == pytest.approx(1.0, abs=1e-6)
+    assert np.abs(pair - 1.0).max() < 1e-3  # a double 1 splits by the root of the error
+    short = folded.periods < fold.period
+    assert (folded.attracts == short).all()
+    assert short.any()
+    assert not short.all()
+    largest = folded.multipliers[:, 0].real
+    assert largest[short].max() < 1.0 < largest[~short].min()
+
+
+def half_turns(orbit: Orbit, start: np.ndarray, count: int) -> np.ndarray:
+    """y2 at `count` switchings of scipy's run, each as seen before its mirror."""
+    seen, y = [], start
+    for _ in range(count):
+        y = mirror(run(orbit, y, 1.0, 20.0 * orbit.lengths[0], to_switch=True, stiff=True).y[:, -1])
+        seen.append(y[1])
+    return np.array(seen)
+
+
+def test_plain_runs_leave_an_unstable_orbit_by_its_multiplier_and_come_to_a_stable_one(folded: Branch):
+    """Started 0.1 % beside it in y1 and y2: a half-turn multiplies the gap by the root of the multiplier."""
+    repelling, attracting = folded.orbits[-1], folded.orbits[-1]
+    for orbit in folded.orbits:
+        if orbit.period < folded.folds[0].period and peaks(orbit)[2] > 1.0:
+            attracting = orbit
+    for orbit in (repelling, attracting):
+        factor = math.sqrt(other_multipliers(orbit)[0].real)
+        for shift in (1e-3, -1e-3) if orbit is repelling else (1e-3,):
+            start = orbit.starts[0] * [1.0 + shift, 1.0 + shift, 1.0, 1.0]
+            gaps = half_turns(orbit, start, 3) / orbit.starts[0, 1] - 1.0
+            assert gaps[2:] / gaps[1:-1] == pytest.approx(factor, rel=0.02)
+    assert not attracts(repelling)
+    assert attracts(attracting)
+
+
+def swing(orbit: Orbit, start: np.ndarray, periods: int) -> np.ndarray:
+    """Greatest |y2| in each of some periods of the proportional loop, from `start`."""
+    end, each = periods * orbit.period, 64
+    times = np.linspace(0.0, end, each * periods + 1)
+    y2 = solve_ivp(rates(orbit, 1.0), (0.0, end), start, "DOP853", times, rtol=1e-7, atol=1e-12).y[1, :-1]
+    return np.abs(y2).reshape(periods, each).max(axis=1)
+
+
+@pytest.mark.parametrize("share", [0.1, 3.0])
+def test_above_the_edge_every_swing_comes_to_the_orbit(share: float):
+    """6 % above: from a tenth of the orbit and from three times it."""
+    orbit = proportional_branch(1.06 * EDGE).orbits[-1]
+    sizes = swing(orbit, orbit.starts[0] * [share, share, 1.0, 1.0], 120)
+    assert sizes[-1] == pytest.approx(peaks(orbit)[1], rel=0.01)
+    assert (sizes[-1] - sizes[0]) * (1.0 - share) > 0.0
+
+
+def test_below_the_edge_there_is_no_orbit_to_repel():
+    """6 % below, where the arcs with crossed edges have an unstable orbit: swings inside and far outside it die."""
+    ghost = proportional_branch(0.94 * EDGE, CROSSED).orbits[-1]
+    loop = ghost._replace(loop=ghost.loop._replace(kind=PROPORTIONAL))
+    assert not attracts(ghost)
+    for share in (0.3, 10.0):
+        sizes = swing(loop, ghost.starts[0] * [share, share, 1.0, 1.0], 30)
+        assert sizes[-1] < 0.5 * sizes[0]
+        assert (np.diff(sizes[3:]) < 0.0).all()
+
+
+def test_what_has_no_orbit_is_refused():
+    with pytest.raises(ValueError, match=r"with k above 0, not with k -0\.2"):
+        proportional_birth(FALLING, D, 1e-6)
+    orbit = relay_birth(PLANT, S, 0.01)
+    with pytest.raises(ArithmeticError, match=r"Newton's method does not converge|length .* must be above 0"):
+        solve(orbit._replace(loop=with_gain(orbit.loop, "d", 0.3)))
+    with pytest.raises(ValueError, match=r"d 0\.27\d+, period 0\.02 of the first orbit must lie within 0\.0 \.\. 0\.1"):
+        follow_branch(orbit, "d", -1.0, Limits(0.0, 0.1, 1.0, 0.05, 10))

@@ -1,0 +1,81 @@
+"""What the tests of the plant share: circuits with some numbers changed, runs, and the energy of a state."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.circuit.block import advance, compiled, run_block
+from twin.circuit.build import build
+from twin.circuit.state import (
+    State,
+    flatten,
+    pressures,
+    unflatten,
+)
+from twin.circuit.step import Circuit
+from twin.cylinder import chamber_volumes
+from twin.rig import values
+from twin.topology import OBSERVED
+
+Array = NDArray[np.float64]
+BAR = 1e5
+FLOW = 2  # of a lumped line, where its memory has it
+FRICTIONLESS = {"limit": 0.0}
+TIGHT = {"leakage_resistance": math.inf}
+SMOOTH = {"ripple": "none"}
+
+
+def pipes(**entries: str | float) -> dict[str, Any]:
+    """The same entries for all six pipes, e.g. pipes(model="lumped")."""
+    return {f"pipe_{number}": dict(entries) for number in range(1, 7)}
+
+
+def circuit(step: float = 50e-6, **parts: Any) -> Circuit:
+    """The rig with some of its values replaced, e.g. load={"mass": 302.0}."""
+    return build(values(parts), step)
+
+
+def run(s: State, reference: float, c: Circuit, seconds: float) -> State:
+    return advance(s, reference, c, round(seconds / c.parts.step))
+
+
+def states(s: State, reference: float, c: Circuit, seconds: float, every: int = 1) -> Iterator[State]:
+    """The states after each `every` steps."""
+    flat, view, taps, seen = flatten(s), compiled(c), np.zeros((2, 5)), np.zeros(len(OBSERVED))
+    for _ in range(round(seconds / (every * c.parts.step))):
+        run_block(flat, reference, *view, every, taps, seen)
+        yield unflatten(flat)
+
+
+def watched(s: State, reference: float, c: Circuit, seconds: float, every: int = 1) -> tuple[dict[str, Array], State]:
+    """What can be OBSERVED after each `every` steps, a column each, and the state at the end."""
+    flat, view, taps = flatten(s), compiled(c), np.zeros((2, 5))
+    seen = np.zeros((round(seconds / (every * c.parts.step)), len(OBSERVED)))
+    for row in seen:
+        run_block(flat, reference, *view, every, taps, row)
+    return dict(zip(OBSERVED, seen.T, strict=True)), unflatten(flat)
+
+
+def joined(*parts: dict[str, Array]) -> dict[str, Array]:
+    """Columns one after the other."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def energy(s: State, c: Circuit) -> float:
+    """Kinetic energy of load and lines, oil compression and height [J]; lines lumped, no cavity, no weight to join.
+
+    In a moving chamber the oil's share is right within p/2B. A line's flow is known half a step before and after: what
+    the scheme keeps is their product.
+    """
+    lines, cylinder = c.lines, c.parts.cylinder
+    p = s.ends.pressure.reshape(6, 2)
+    after = s.memory[lines.lumped_place + FLOW]
+    before = after - c.parts.step / lines.inertance * (p[:, 0] - p[:, 1])
+    oil = float((0.25 * lines.capacity * (p**2).sum(axis=1) + 0.5 * lines.inertance * after * before).sum())
+    x, load, at = s.piston.position, c.parts.load, pressures(s)
+    volume = chamber_volumes(x, cylinder)
+    chambers = 0.5 * (volume.lower * at.lower**2 + volume.upper * at.upper**2) / cylinder.bulk_modulus
+    return oil + chambers + 0.5 * load.mass * s.piston.velocity**2 + load.mass * load.gravity * x

@@ -1,0 +1,111 @@
+"""Real processes for tests: started, bounded in time, always gone afterwards."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from bridge.recording.reader import Recording, read
+
+ROOT = Path(__file__).parents[2]
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "200", "NO_COLOR": "1"}
+
+
+def hydrotwin(*arguments: str, cwd: Path = ROOT, timeout: float = 120.0) -> subprocess.CompletedProcess[str]:
+    """Run the command to its end."""
+    return subprocess.run(
+        [sys.executable, "-m", "bridge", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        env=ENVIRONMENT,
+        timeout=timeout,
+    )
+
+
+@contextmanager
+def started(*arguments: str, cwd: Path = ROOT) -> Iterator[subprocess.Popen[str]]:
+    """The command in the background, in a group of its own that is ended in the end."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "bridge", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        cwd=cwd,
+        env=ENVIRONMENT,
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        for pid in [process.pid, *children(process.pid)]:
+            with_signal(pid, signal.SIGCONT)
+            with_signal(pid, signal.SIGKILL)
+        process.communicate()
+
+
+def with_signal(pid: int, number: signal.Signals) -> None:
+    """Send a signal to a process that may be gone."""
+    try:
+        os.kill(pid, number)
+    except ProcessLookupError:
+        return
+
+
+def children(pid: int) -> dict[int, str]:
+    """Child processes of a process and their command lines, by /proc."""
+    found = {}
+    for entry in Path("/proc").iterdir():
+        try:
+            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+            if parent == pid:
+                found[int(entry.name)] = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+        except (OSError, ValueError, IndexError):
+            continue
+    return found
+
+
+def child(pid: int, role: str, patience: float = 20.0) -> int:
+    """The child process of `hydrotwin run` that plays a role."""
+    return wait_for(lambda: next((p for p, c in children(pid).items() if f"bridge {role} " in c), None), patience)
+
+
+def wait_for(condition: Any, patience: float) -> Any:
+    """The first true answer."""
+    deadline = time.monotonic() + patience
+    while time.monotonic() < deadline:
+        if answer := condition():
+            return answer
+        time.sleep(0.02)
+    raise AssertionError(f"not within {patience} s")
+
+
+def listening(endpoint: str) -> bool:
+    """Does somebody accept connections at a Zenoh endpoint `tcp/host:port`?"""
+    host, port = endpoint.removeprefix("tcp/").rsplit(":", 1)
+    with socket.socket() as probe:
+        return probe.connect_ex((host, int(port))) == 0
+
+
+def grown(path: Path, size: int) -> bool:
+    """Has a file reached a size?"""
+    return path.is_file() and path.stat().st_size >= size
+
+
+def run_recorded(path: Path, *arguments: str) -> Recording:
+    """`hydrotwin run ... --record path`, which must go well."""
+    done = hydrotwin("run", *arguments, "--record", str(path), "--json", str(path.with_suffix(".json")))
+    assert done.returncode == 0, done.stdout + done.stderr
+    return read(path)
+
+
+def summary(path: Path) -> dict[str, Any]:
+    """The summary that `run_recorded` left beside a recording."""
+    return json.loads(path.with_suffix(".json").read_text())

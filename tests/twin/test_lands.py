@@ -1,0 +1,75 @@
+"""Lands between four ports: each obeys its orifice, flows balance at every port, whichever are open."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.support.plant import BAR
+from twin.lands import Lands, Ports, land_flows
+from twin.oil import Oil
+from twin.orifice import Orifice, resistance
+from twin.port import Port, pressure
+from twin.spool_valve import closed_centre_lands
+from twin.switching_valve import SwitchingValve, switch_spool, tandem_lands
+
+OIL = Oil(878.0, 40e-6, 1.17e9, -1e5)
+EDGE = Orifice(0.61, 9.33)
+AREA = st.floats(0.0, 1.0).map(lambda share: 0.0 if share < 0.1 else 5e-5 * share**3)
+FREE = st.floats(-50 * BAR, 200 * BAR)
+Z = st.floats(1e9, 2e10)
+VALVE = SwitchingValve(1.0 / 30e-3, 5e-5, EDGE)
+
+
+def drops(q: Lands, ports: Ports) -> dict[str, float]:
+    p = pressure(ports.p, -(q.p_a + q.p_b + q.p_t), OIL.vapour_pressure)
+    a = pressure(ports.a, q.p_a - q.a_t, OIL.vapour_pressure)
+    b = pressure(ports.b, q.p_b - q.b_t, OIL.vapour_pressure)
+    t = pressure(ports.t, q.b_t + q.a_t + q.p_t, OIL.vapour_pressure)
+    return {"p_a": p - a, "b_t": b - t, "p_b": p - b, "a_t": a - t, "p_t": p - t}
+
+
+@given(st.tuples(FREE, FREE, FREE, FREE), st.tuples(Z, Z, Z, Z), AREA, AREA, st.booleans())
+def test_every_open_land_obeys_its_orifice_and_a_shut_one_is_tight(free, z, area, centre, up):
+    """With the land P-T open beside others too: to 1 Pa in 200 bar."""
+    ports = Ports(*(Port(f, i) for f, i in zip(free, z, strict=True)))
+    areas = Lands(area, area, 0.0, 0.0, centre) if up else Lands(0.0, 0.0, area, area, centre)
+    q = land_flows(ports, areas, EDGE, OIL)
+    found = drops(q, ports)
+    for name, opened, flow in zip(Lands._fields, areas, q, strict=True):
+        if opened <= 0.0:
+            assert flow == 0.0
+        else:
+            a, b = resistance(opened, EDGE, OIL)
+            assert (a * abs(flow) + b) * flow == pytest.approx(found[name], rel=1e-6, abs=1.0)
+
+
+def test_tandem_centre_lets_the_pump_idle_and_shuts_the_cylinder_in():
+    assert tandem_lands(0.0, VALVE) == Lands(0.0, 0.0, 0.0, 0.0, VALVE.area)
+    assert tandem_lands(1.0, VALVE) == Lands(VALVE.area, VALVE.area, 0.0, 0.0, 0.0)
+    assert tandem_lands(-1.0, VALVE) == Lands(0.0, 0.0, VALVE.area, VALVE.area, 0.0)
+
+
+def test_on_its_way_the_switching_valve_opens_as_much_as_it_closes():
+    for s in (0.1, 0.5, -0.7):
+        lands = tandem_lands(s, VALVE)
+        assert lands.p_a + lands.p_b + lands.p_t == pytest.approx(VALVE.area)
+
+
+@pytest.mark.parametrize(("reference", "end"), [(1.0, 1.0), (0.6, 1.0), (0.5, 0.0), (-0.4, 0.0), (-0.9, -1.0)])
+def test_the_magnets_know_three_positions_and_need_the_switching_time(reference: float, end: float):
+    h, s, steps = 1e-4, 0.0, 0
+    while abs(s - end) > 1e-12:
+        s, _ = switch_spool(s, reference, VALVE, h)
+        steps += 1
+        assert steps < 1000
+    assert steps * h == pytest.approx(30e-3 if end else 0.0, abs=h)
+    assert switch_spool(s, reference, VALVE, h) == (end, 0.0)
+
+
+def test_the_closed_centre_has_no_way_from_p_to_t():
+    from tests.support.plant import circuit
+
+    valve = circuit().parts.valve
+    for s in (-1.0, -0.05, 0.0, 0.5):
+        assert closed_centre_lands(s, valve).p_t == 0.0
+    assert closed_centre_lands(0.05, valve) == Lands(0.0, 0.0, 0.0, 0.0, 0.0)

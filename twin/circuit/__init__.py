@@ -1,0 +1,1 @@
+"""The whole circuit: its state, step, rest, limits, linear model."""

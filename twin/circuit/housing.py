@@ -1,0 +1,74 @@
+"""How the relief valve shakes its housing: 4.5 of the source, whose accelerometer sat on it.
+
+Springs, seats and stops, flow forces and damping all act between the two moving bodies and the housing with its oil.
+So what they do to the housing is minus what they do to the bodies: `M a = -(m u' + m_s v')`, impacts included, poppet
+and spool along one axis (assumed). Beside it the thrust of the inlet's pressure on the bore, `p A` (assumed).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import welch
+
+from twin.circuit.block import compiled, run_block
+from twin.circuit.state import ENDS_AT, State, flatten
+from twin.circuit.step import TEE_1, Circuit
+from twin.relief.network import Relief
+from twin.topology import OBSERVED
+
+Array = NDArray[np.float64]
+PILOT_SPEED, SPOOL_SPEED, RELIEF_FLOW = 11, 13, 17  # places in a flat state
+RESOLUTION, BAND = 4.0, 10e3  # [Hz], the source's analyser
+
+
+class Shaken(NamedTuple):
+    """What is sampled at every step, an entry each."""
+
+    step: float  # [s]
+    pilot_lift: Array  # [m]
+    pilot_speed: Array  # [m/s]
+    spool_speed: Array  # [m/s]
+    pressure: Array  # p1 [Pa]
+    flow: Array  # over the valve [m^3/s]
+
+
+def shake(state: State, circuit: Circuit, seconds: float, settle: float = 0.0) -> Shaken:
+    """The rig with its directional valve at rest, from a state; the first `settle` seconds are not kept."""
+    plant, flat = compiled(circuit), flatten(state)
+    taps, seen, step = np.zeros((2, 5)), np.zeros(len(OBSERVED)), circuit.parts.step
+    run_block(flat, 0.0, *plant, round(settle / step), taps, seen)
+    rows = np.empty((round(seconds / step), 5))
+    places = [PILOT_SPEED - 1, PILOT_SPEED, SPOOL_SPEED, ENDS_AT + TEE_1, RELIEF_FLOW]
+    for row in rows:
+        run_block(flat, 0.0, *plant, 1, taps, seen)
+        row[:] = flat[places]
+    return Shaken(step, *rows.T)
+
+
+def reaction(found: Shaken, valve: Relief, housing: float) -> Array:
+    """a [m/s^2] of a housing of a mass [kg] by the moving bodies: the mean over each step, so no impact is missed."""
+    momentum = valve.pilot.mass * found.pilot_speed + valve.main.mass * found.spool_speed
+    return -np.diff(momentum) / (found.step * housing)
+
+
+def thrust(found: Shaken, bore: float, housing: float) -> Array:
+    """a [m/s^2] by the inlet's pressure on its bore [m^2], less its mean."""
+    pressure = found.pressure[1:]
+    return (pressure - pressure.mean()) * bore / housing
+
+
+def spectrum(acceleration: Array, step: float) -> tuple[Array, Array]:
+    """Frequencies [Hz] up to BAND in steps of RESOLUTION and the rms [m/s^2] in each: Welch, Hann, half overlapped.
+
+    Raises ValueError for a run too short or a step too long for them.
+    """
+    length = round(1.0 / (RESOLUTION * step))
+    if len(acceleration) < length or step > 0.5 / BAND:
+        raise ValueError(
+            f"{len(acceleration)} steps of {step} s: a resolution of {RESOLUTION} Hz needs {length} of them, "
+            f"a band of {BAND} Hz steps of at most {0.5 / BAND} s"
+        )
+    frequency, power = welch(acceleration, 1.0 / step, window="hann", nperseg=length, scaling="spectrum")
+    within = frequency <= BAND
+    return frequency[within], np.sqrt(power[within])

@@ -1,0 +1,268 @@
+"""The circuit linearised about a point of steady motion: the Jacobian of `rates` by hand, from the components' slopes.
+
+A point is a `State` whose pressures and flows stand still; its spool position is also its reference, and a run may
+start from it. Lines are lumped, the relief valve follows its steady curve and the pump gives its mean flow. Stops,
+spool limits, vapour and the set-valued friction have no slope and are left out.
+"""
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.circuit.block import compiled
+from twin.circuit.equilibrium import state_at, supply_at_rest
+from twin.circuit.rates import (
+    FLOW,
+    LINE_ENDS,
+    LOWER,
+    PUMP,
+    S_RATE,
+    STATES,
+    TEE,
+    UPPER,
+    A,
+    B,
+    P,
+    S,
+    T,
+    V,
+    X,
+    capacities,
+    vector_rates,
+)
+from twin.circuit.state import (
+    Flows,
+    Pressures,
+    State,
+    flows,
+    pressures,
+)
+from twin.circuit.step import Circuit, Piston, Spool
+from twin.fitting import fitting_slope
+from twin.lines.bank import steady_slope as line_slope
+from twin.orifice import flow_slopes
+from twin.pump import pumped_oil
+from twin.relief.steady import steady_slope as relief_slope
+from twin.spool_valve import opening
+
+if TYPE_CHECKING:
+    from control import StateSpace
+
+Array = NDArray[np.float64]
+
+INPUTS = ("spool_reference", "force")
+TAPS = {"position": "position", "velocity": "velocity", "p1": "p_tee", "p2": "p_lower", "p3": "p_upper"}
+LANDS = {"+": ((P, A), (B, T)), "-": ((P, B), (A, T))}
+UNKNOWN = [*range(X), V]  # what a moving point is solved for
+
+
+class Land(NamedTuple):
+    """Slopes of the flow through one land."""
+
+    source: int
+    sink: int
+    by_drop: float  # [m^3/(s Pa)]
+    by_spool: float  # [m^3/s], per whole travel
+
+
+def to_vector(s: State) -> Array:
+    """A state in the order of STATES."""
+    return np.array([*pressures(s), *flows(s), *s.piston, *s.spool])
+
+
+def from_vector(y: Array, circuit: Circuit) -> State:
+    """The state in which a vector's pressures and flows have been steady."""
+    v = [float(value) for value in y]
+    return state_at(Pressures(*v[:FLOW]), Flows(*v[FLOW:X]), Piston(*v[X:S]), Spool(*v[S:]), circuit)
+
+
+def edge_point(circuit: Circuit, position: float, edge: str) -> State:
+    """The limit of slow steady motion at vanishing opening, upwards ("+") or downwards ("-"); position in m.
+
+    The spool stands at the land's edge, the supply is as at rest, the leak across the piston is left out of the
+    balance. Raises ValueError for another edge, and for a load under which the oil would not follow.
+    """
+    _check_edge(edge, ("+", "-"))
+    _refuse_switching(circuit)
+    p = _edge_pressures(circuit, edge)
+    _refuse_cavity(p, circuit)
+    spool = Spool(math.copysign(circuit.parts.valve.overlap, 1.0 if edge == "+" else -1.0), 0.0)
+    through = Flows(supply_at_rest(circuit).relieved, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return state_at(p, through, Piston(position, 0.0), spool, circuit)
+
+
+def _edge_pressures(circuit: Circuit, edge: str) -> Pressures:
+    c, load = circuit.parts.cylinder, circuit.parts.load
+    pump, tee = supply_at_rest(circuit)[:2]
+    weight = load.mass * load.gravity - load.force
+    if edge == "+":
+        k = (c.area_upper / c.area_lower) ** 2  # (p_u - 0)/(p_P - p_l)
+        lower = (weight + c.area_upper * k * tee) / (c.area_lower + c.area_upper * k)
+        upper = k * (tee - lower)
+    else:
+        k = (c.area_lower / c.area_upper) ** 2  # (p_l - 0)/(p_P - p_u)
+        upper = (c.area_lower * k * tee - weight) / (c.area_lower * k + c.area_upper)
+        lower = k * (tee - upper)
+    return Pressures(pump, tee, tee, lower, lower, upper, upper, 0.0, 0.0)
+
+
+def moving_point(circuit: Circuit, position: float, spool: float, viscous: float = 0.0) -> State:
+    """The quasi-steady point at a position [m] under a constant spool position (-1..1) beyond the overlap.
+
+    viscous: friction over speed [N s/m]. Raises ValueError inside the overlap, and where the oil would not follow.
+    """
+    from scipy.optimize import root
+
+    _refuse_switching(circuit)
+    if abs(spool) <= circuit.parts.valve.overlap:
+        raise ValueError(f"spool {spool} lies inside the overlap, +-{circuit.parts.valve.overlap}; take it further out")
+    pressure_guess = _edge_pressures(circuit, "+" if spool > 0.0 else "-")
+    full = np.array([*pressure_guess, *[0.0] * 6, position, math.copysign(0.01, spool), spool, 0.0])
+    column, row = _scales(circuit)
+
+    def place(unknown: Array) -> Array:
+        full[UNKNOWN] = unknown * column
+        return full
+
+    def residual(unknown: Array) -> Array:
+        return vector_rates(place(unknown), spool, circuit, viscous)[UNKNOWN] * row
+
+    def slope(unknown: Array) -> Array:
+        matrix = jacobian(place(unknown), circuit, None, viscous)
+        return row[:, None] * matrix[np.ix_(UNKNOWN, UNKNOWN)] * column
+
+    found = root(residual, full[UNKNOWN] / column, jac=slope, options={"xtol": 1e-13})
+    if np.abs(residual(found.x)).max() > 1e-6:
+        raise ValueError(f"no steady motion at spool {spool}, position {position} m: the oil does not follow the load")
+    _refuse_cavity(Pressures(*place(found.x)[:FLOW]), circuit)
+    return from_vector(place(found.x), circuit)
+
+
+def linearise(
+    point: State, edge: str | None = "+", friction: str | float = "none", *, circuit: Circuit
+) -> "StateSpace":
+    """The linear system about a point of `edge_point` or `moving_point`.
+
+    edge: "+" or "-" takes the slope of the flow just beyond that land's edge, and none by pressure, as if there were
+    no overlap; None takes the point's own opening. friction: "none" or a slope [N s/m]. States, inputs and outputs
+    are named; the spool is in shares of its travel, so a controller that jumps the overlap has 1 - overlap less gain.
+    What was assumed stands in `note`, and in `name` with "_" for ".".
+    """
+    import control
+
+    _check_edge(edge, ("+", "-", None))
+    viscous = _viscous(friction)
+    a = jacobian(to_vector(point), circuit, edge, viscous)
+    b = np.zeros((len(STATES), len(INPUTS)))
+    b[S_RATE, 0], b[V, 1] = circuit.parts.valve.natural_frequency**2, 1.0 / circuit.parts.load.mass
+    c = np.array([[float(state == tap) for state in STATES] for tap in TAPS.values()])
+    valve = f"spool {point.spool.position:g}" if edge is None else f"land edge {edge}, overlap removed"
+    note = f"{valve}, friction {f'{viscous:g} N s/m' if viscous else 'off'}"
+    labels = {"states": STATES, "inputs": INPUTS, "outputs": tuple(TAPS), "name": note.replace(".", "_")}
+    system = control.StateSpace(a, b, c, np.zeros((len(TAPS), len(INPUTS))), **labels)
+    system.note = note  # pyright: ignore[reportAttributeAccessIssue]
+    return system
+
+
+def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0) -> Array:
+    """Slopes of `vector_rates` by STATES, where pressures stand still; edge as in `linearise`."""
+    c, lines = circuit.parts, circuit.lines
+    a = np.zeros((len(STATES), len(STATES)))
+    a[:FLOW] = _inflow_slopes(y, circuit, edge) / _capacities(y, circuit)[:, None]
+    for line, (source, sink) in enumerate(LINE_ENDS):
+        q = float(y[FLOW + line])
+        a[FLOW + line, FLOW + line] = -line_slope(lines, line, q) - (fitting_slope(q, c.fitting) if line == 1 else 0.0)
+        a[FLOW + line, source] = 1.0
+        if sink >= 0:
+            a[FLOW + line, sink] = -1.0
+        a[FLOW + line] /= lines.inertance[line]
+    a[V, [LOWER, UPPER, V]] = np.array([c.cylinder.area_lower, -c.cylinder.area_upper, -viscous]) / c.load.mass
+    omega = c.valve.natural_frequency
+    a[S_RATE, [S, S_RATE]] = -(omega**2), -2.0 * c.valve.damping * omega
+    a[X, V] = a[S, S_RATE] = 1.0
+    return a
+
+
+def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None) -> Array:
+    """Slopes of C p' = S' - V' (1 + p/B), a row per place."""
+    c, slopes = circuit.parts, np.zeros((FLOW, len(STATES)))
+    for line, (source, sink) in enumerate(LINE_ENDS):
+        slopes[source, FLOW + line] = -1.0
+        if sink >= 0:
+            slopes[sink, FLOW + line] = 1.0
+    leak = Land(LOWER, UPPER, c.cylinder.leakage, 0.0)
+    for source, sink, by_drop, by_spool in (leak, *lands(y, circuit, edge)):
+        slopes[source, [source, sink, S]] += -by_drop, by_drop, -by_spool
+        slopes[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
+    slopes[PUMP, PUMP] += pumped_oil(float(y[PUMP]), 1.0, c.pump, c.oil.bulk_modulus)[1]
+    if c.fitted.relief:
+        slopes[TEE, TEE] -= relief_slope(float(y[TEE]), c.relief)
+    per_stroke = c.cylinder.area_lower / c.oil.bulk_modulus, c.cylinder.area_upper / c.oil.bulk_modulus
+    slopes[LOWER, LOWER] -= per_stroke[0] * y[V]
+    slopes[UPPER, UPPER] += per_stroke[1] * y[V]
+    slopes[LOWER, V] = -c.cylinder.area_lower - per_stroke[0] * y[LOWER]
+    slopes[UPPER, V] = c.cylinder.area_upper + per_stroke[1] * y[UPPER]
+    return slopes
+
+
+def lands(y: Array, circuit: Circuit, edge: str | None) -> list[Land]:
+    """The two open lands at a vector of STATES, or those at whose edge the spool stands; none for a shut valve."""
+    valve, oil = circuit.parts.valve, circuit.parts.oil
+    side = edge or ("+" if y[S] > 0.0 else "-")
+    sign = 1.0 if side == "+" else -1.0
+    area = 0.0 if edge else opening(sign * float(y[S]), valve)
+    widening = sign * valve.area / (1.0 - valve.overlap)  # dA/ds
+    found = []
+    for source, sink in LANDS[side]:
+        drop = float(y[source] - y[sink])
+        speed = valve.orifice.discharge * math.copysign(math.sqrt(2.0 * abs(drop) / oil.density), drop)
+        by_drop, by_area = flow_slopes(drop, area, valve.orifice, oil) if area > 0.0 else (0.0, speed)
+        if edge or area > 0.0:
+            found.append(Land(source, sink, by_drop, by_area * widening))
+    return found
+
+
+def _capacities(y: Array, circuit: Circuit) -> Array:
+    out = np.empty(FLOW)
+    capacities(float(y[X]), *compiled(circuit), out)
+    return out
+
+
+def _scales(circuit: Circuit) -> tuple[Array, Array]:
+    """Sizes of the unknowns, and of their rates, that bring a moving point's equations to order one."""
+    inertances, mass = circuit.lines.inertance, circuit.parts.load.mass
+    row = np.array([*(1e4 * _capacities(np.zeros(len(STATES)), circuit)), *(1e-5 * inertances), 1e-3 * mass])
+    return np.array([1e5] * 9 + [1e-4] * 6 + [0.1]), row
+
+
+def _refuse_cavity(p: Pressures, circuit: Circuit) -> None:
+    for node, pressure in zip(Pressures._fields, p, strict=True):
+        if pressure <= circuit.parts.oil.vapour_pressure:
+            raise ValueError(
+                f"oil would cavitate at {node!r}: the balance asks for less than the vapour pressure, "
+                f"{circuit.parts.oil.vapour_pressure / 1e5:g} bar; take a smaller load or opening, or a stronger supply"
+            )
+
+
+def _refuse_switching(circuit: Circuit) -> None:
+    if circuit.parts.fitted.switching:
+        raise ValueError(
+            "a switching valve knows three positions and has no slope between them; "
+            "linearise with valve.kind = 'proportional'"
+        )
+
+
+def _check_edge(edge: str | None, valid: tuple[str | None, ...]) -> None:
+    if edge not in valid:
+        raise ValueError(f"edge {edge!r} is none of {', '.join(repr(v) for v in valid)}")
+
+
+def _viscous(friction: str | float) -> float:
+    """A friction slope [N s/m]; "none" is zero."""
+    if friction == "none":
+        return 0.0
+    if isinstance(friction, str) or not 0.0 <= friction < math.inf:
+        raise ValueError(f"friction {friction!r} is neither 'none' nor a slope in N s/m, 0 or more")
+    return float(friction)

@@ -1,0 +1,108 @@
+"""The circuit as one ordinary differential equation: lumped lines, steady relief valve, mean flow of the pump.
+
+It states once more, without time steps, what `circuit` integrates when its lines are lumped: any integrator of the
+reader's choice can check the scheme against it, and `linear` takes its slopes. Fittings count to their line's own
+resistance. Left out is what has no rate: end
+stops, limits of the spool, cavities, the weight that joins, and the set-valued seal friction, in whose place a viscous
+slope may stand.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.circuit.state import Flows, Pressures
+from twin.circuit.step import Circuit, land_areas
+from twin.cylinder import chamber_volumes
+from twin.fitting import fitting_resistance
+from twin.kernel import inlined, kernel
+from twin.lines.bank import steady_drop, unpacked
+from twin.orifice import flow
+from twin.pump import pumped_oil
+from twin.relief.steady import steady_flow
+
+STATES = (
+    *(f"p_{place}" for place in Pressures._fields),
+    *Flows._fields,
+    "position",
+    "velocity",
+    "spool",
+    "spool_velocity",
+)
+Array = NDArray[np.float64]
+PUMP, TEE, P, A, LOWER, UPPER, B, T, BACK = range(9)
+FLOW, X, V, S, S_RATE = 9, 15, 16, 17, 18
+LINE_ENDS = ((PUMP, TEE), (TEE, P), (A, LOWER), (B, UPPER), (T, BACK), (BACK, -1))  # -1: the tank
+
+
+def vector_rates(
+    y: NDArray[np.float64], reference: float, circuit: Circuit, viscous: float = 0.0
+) -> NDArray[np.float64]:
+    """Rates of STATES [SI per s] under a spool reference; viscous: friction over speed [N s/m]."""
+    from twin.circuit.block import compiled
+
+    out = np.empty(len(STATES))
+    rates(np.asarray(y, float), reference, *compiled(circuit), viscous, out)
+    return out
+
+
+@kernel
+def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> None:
+    """Fill `out` with the rates of a vector of STATES; parts, whole, numbers: of `Compiled`."""
+    c, lines = parts[0], unpacked(whole, numbers)
+    _inflows(y, c, out)
+    for line in range(6):
+        first, second = LINE_ENDS[line]
+        out[first] -= y[FLOW + line]
+        drop = y[first]
+        if second >= 0:
+            out[second] += y[FLOW + line]
+            drop -= y[second]
+        if line == 1:
+            drop -= fitting_resistance(y[FLOW + 1], c.fitting) * y[FLOW + 1]
+        out[FLOW + line] = (drop - steady_drop(lines, line, y[FLOW + line])) / lines.inertance[line]
+    b, cylinder = c.oil.bulk_modulus, c.cylinder
+    out[LOWER] -= cylinder.area_lower * (1.0 + y[LOWER] / b) * y[V]
+    out[UPPER] += cylinder.area_upper * (1.0 + y[UPPER] / b) * y[V]
+    for place in range(9):
+        out[place] /= _capacity(place, y[X], c, lines)
+    out[X] = y[V]
+    force = cylinder.area_lower * y[LOWER] - cylinder.area_upper * y[UPPER] + c.load.force
+    out[V] = (force - viscous * y[V]) / c.load.mass - c.load.gravity
+    spring, damping = c.valve.natural_frequency**2, 2.0 * c.valve.damping * c.valve.natural_frequency
+    out[S] = y[S_RATE]
+    out[S_RATE] = spring * (reference - y[S]) - damping * y[S_RATE]
+
+
+@kernel
+def _inflows(y, c, out) -> None:
+    """What the components bring into each place [m^3/s]."""
+    area, orifice = land_areas(y[S], c), c.valve.orifice
+    p_a, b_t = flow(y[P] - y[A], area.p_a, orifice, c.oil), flow(y[B] - y[T], area.b_t, orifice, c.oil)
+    p_b, a_t = flow(y[P] - y[B], area.p_b, orifice, c.oil), flow(y[A] - y[T], area.a_t, orifice, c.oil)
+    leak = c.cylinder.leakage * (y[LOWER] - y[UPPER])
+    out[PUMP] = pumped_oil(y[PUMP], 1.0, c.pump, c.oil.bulk_modulus)[0]
+    out[TEE] = -steady_flow(y[TEE], c.relief) if c.fitted.relief == 1.0 else 0.0
+    out[P], out[A], out[B], out[T], out[BACK] = -p_a - p_b, p_a - a_t, p_b - b_t, b_t + a_t, 0.0
+    out[LOWER], out[UPPER] = -leak, leak
+
+
+@kernel
+def capacities(position: float, parts, whole, numbers, out) -> None:
+    """Fill `out` with the oil per pressure [m^3/Pa] at the nine places, the piston at a position [m]."""
+    for place in range(9):
+        out[place] = _capacity(place, position, parts[0], unpacked(whole, numbers))
+
+
+@inlined
+def _capacity(place: int, position: float, c, lines) -> float:
+    """Oil per pressure [m^3/Pa] at a place: half of each line that ends there, and its chamber."""
+    total = 0.0
+    for line in range(6):
+        if LINE_ENDS[line][0] == place or LINE_ENDS[line][1] == place:
+            total += 0.5 * lines.capacity[line]
+    volume = chamber_volumes(position, c.cylinder)
+    if place == LOWER:
+        total += volume.lower / c.oil.bulk_modulus
+    if place == UPPER:
+        total += volume.upper / c.oil.bulk_modulus
+    return total

@@ -1,0 +1,58 @@
+"""What can be read off a recorded run of the plant: balances that must hold, and the moments when something happened.
+
+Columns are those of `OBSERVED`, SI, equally long. A balance is zero where its law holds exactly.
+"""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.circuit.step import Circuit
+
+Array = NDArray[np.float64]
+Columns = Mapping[str, Array]
+REACHED = 1e-4  # [m], as near to a stop as a sample may miss a bounce
+
+
+def force_balance(time: Array, columns: Columns, circuit: Circuit) -> Array:
+    """(A_l p_l - A_u p_u - m (g + x'') + F - F_f)/A_l [Pa], (2.10)."""
+    cylinder, load = circuit.parts.cylinder, circuit.parts.load
+    oil = cylinder.area_lower * columns["p_lower"] - cylinder.area_upper * columns["p_upper"]
+    inertia = columns["mass"] * (load.gravity + np.gradient(columns["velocity"], time))
+    return (oil - inertia + load.force + columns["friction"]) / cylinder.area_lower
+
+
+def speed_balance(_: Array, columns: Columns, circuit: Circuit) -> Array:
+    """v - (Q_pump - Q_relief - leak)/A_l [m/s]: the piston rises as the pump at its pressure gives."""
+    cylinder = circuit.parts.cylinder
+    leak = cylinder.leakage * (columns["p_lower"] - columns["p_upper"])
+    return columns["velocity"] - (columns["flow_pump"] - columns["flow_relief"] - leak) / cylinder.area_lower
+
+
+def sink_balance(_: Array, columns: Columns, circuit: Circuit) -> Array:
+    """v + leak/(A_l (1 + p_l/B)) [m/s]: a shut-in load sinks as the leak across the piston lets it."""
+    cylinder = circuit.parts.cylinder
+    leak = cylinder.leakage * (columns["p_lower"] - columns["p_upper"])
+    return columns["velocity"] + leak / (cylinder.area_lower * (1.0 + columns["p_lower"] / cylinder.bulk_modulus))
+
+
+BALANCES: dict[str, Callable[[Array, Columns, Circuit], Array]] = {
+    "force_balance": force_balance,
+    "speed_balance": speed_balance,
+    "sink_balance": sink_balance,
+}
+
+
+def moments(time: Array, columns: Columns, circuit: Circuit) -> dict[str, float]:
+    """When [s] the piston met the weight, ran into its upper stop; NaN for what did not happen."""
+    load, stroke = circuit.parts.load, circuit.parts.cylinder.stroke
+    position = columns["position"]
+    met = (position >= load.support) & (load.added > 0.0)
+    return {"contact": _onset(time, met), "impact": _onset(time, position >= stroke - REACHED)}
+
+
+def _onset(time: Array, happening: NDArray[np.bool_]) -> float:
+    """When something first happens that did not at the start; NaN for never."""
+    first = int(np.argmax(happening))
+    return float(time[first]) if happening.any() and first > 0 else float("nan")

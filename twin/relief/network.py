@@ -1,0 +1,191 @@
+"""The oil inside the relief valve, solved together with the speeds of its two bodies.
+
+    inlet p --orifices 1, 2--> p2 --pilot seat--> tank        p3 --orifice 3--> p2
+    inlet p --main seat------> tank                           the opening spool pushes A v from p3 through orifice 3
+
+Symbols and signs: `README.md`, after (2.15) to (2.19), corrected (2.28), (2.39). Flows in the direction of
+the arrows. Q1 = Q2, Q_pl + A_in u = Q2 + A v, p3 = p2 + dp3(A v). The spool draws A v from the inlet and the poppet
+hands A_in u to the tank, so what goes in comes out: Q = Q_main + Q1 + A v. The inlet is the end of lines, p = c - z Q.
+
+The oil before the pilot seat may be compressible: C p2' = Q2 + A v - Q_pl - A_in u, by the trapezoidal rule, which
+takes no energy from a swing. Without it (C = 0, the source) the pilot cannot chatter by its own oil.
+"""
+
+import math
+from typing import NamedTuple
+
+from twin.contact import held
+from twin.kernel import inlined
+from twin.orifice import quadratic_flow
+from twin.relief.main_stage import (
+    MainStage,
+    mouth,
+    spool_drag,
+    spool_spring,
+)
+from twin.relief.poppet import Poppet
+
+ITERATIONS = 8
+CLOSE_SPEED, CLOSE_ROOT = 1e-4, 1e-3  # [m/s] and relative: a smaller correction is the last, its error is of its square
+
+
+class Orifices(NamedTuple):
+    """dp = a Q|Q| + b Q, a [Pa s^2/m^6], b [Pa s/m^3]."""
+
+    a_12: float  # orifices 1 and 2 in series
+    b_12: float
+    a_3: float  # orifice 3, the damper
+    b_3: float
+
+
+class Relief(NamedTuple):
+    """The whole valve."""
+
+    pilot: Poppet
+    main: MainStage
+    orifices: Orifices
+    capacity: float  # V/B of the oil before the pilot seat [m^3/Pa]; 0.0: incompressible
+
+
+@inlined
+def drop(q: float, a: float, b: float) -> float:
+    """Pressure drop [Pa] of a flow [m^3/s]."""
+    return (a * abs(q) + b) * q
+
+
+@inlined
+def pilot_node(p: float, pushed: float, conductance: float, orifices: Orifices, seeping: float = 0.0) -> float:
+    """y [sqrt(Pa)] with p2 = y|y|, or, with the seat shut, p2 itself [Pa], at a given inlet pressure.
+
+    y|y| + dp12(R y - pushed) = p rises with y and is a quadratic on each side of y = 0 and of R y = pushed [m^3/s],
+    which is what both bodies push into the node: closed form. seeping: G of a long seat, y then p2 itself.
+    """
+    if seeping > 0.0:
+        through = quadratic_flow(p - pushed / seeping, orifices.a_12, orifices.b_12 + 1.0 / seeping)
+        return (through + pushed) / seeping
+    lifted = -drop(-pushed, orifices.a_12, orifices.b_12)
+    if conductance <= 0.0:
+        return p + lifted
+    a = math.copysign(orifices.a_12, p * conductance**2 - pushed * abs(pushed))
+    square = math.copysign(1.0, p + lifted) + a * conductance**2
+    linear = conductance * (orifices.b_12 - 2.0 * a * pushed)
+    rest = a * pushed**2 - orifices.b_12 * pushed - p
+    root = math.sqrt(max(0.0, linear * linear - 4.0 * square * rest))
+    if linear > 0.0:
+        return -2.0 * rest / (linear + root)
+    return 0.5 * (root - linear) / square
+
+
+class Poise(NamedTuple):
+    """The poppet at the end of a substep: its lift is known, its speed follows from p2."""
+
+    lift: float  # [m]
+    conductance: float  # R [m^3/(s sqrt(Pa))]
+    coasting: float  # speed without p2 [m/s]
+    yielding: float  # speed gained per p2 [m/(s Pa)]
+    swallow: float  # what leaves the node per p2, through a long seat and into its oil [m^3/(s Pa)]
+    stored: float  # less this [m^3/s]
+
+
+class Push(NamedTuple):
+    """The spool at the start of a substep."""
+
+    lift: float  # [m]
+    velocity: float  # v [m/s]
+    inertia: float  # m/h [N s/m]
+    half: float  # h/2 [s]; 0.0 for a spool whose end is given
+
+
+class Look(NamedTuple):
+    """A guess put into the equations: errors, their slopes, and what it means."""
+
+    node: float  # p2 + dp12 - p [Pa]
+    node_y: float
+    node_v: float
+    force: float  # on the spool [N]
+    force_y: float
+    force_v: float
+    pilot_velocity: float
+    pilot_velocity_y: float
+    flow: float  # Q [m^3/s]
+    flow_y: float
+    flow_v: float
+
+
+class End(NamedTuple):
+    """Where a substep ends."""
+
+    y: float  # as of `pilot_node`
+    pilot_velocity: float
+    spool_velocity: float
+    spool_force: float
+    flow: float
+
+
+@inlined
+def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve: Relief) -> Look:
+    """The equations at a guess. The inlet's p + z k sqrt(p) = c - z q is solved for s = sqrt(p) in closed form."""
+    pilot, main, orifices = valve.pilot, valve.main, valve.orifices
+    lift = push.lift + push.half * (push.velocity + v)
+    seat = mouth(lift, main)
+    k_v = push.half * seat.conductance_slope
+    p2, p2_y = (y * abs(y), 2.0 * abs(y)) if poise.conductance > 0.0 else (y, 1.0)
+    free = poise.coasting + poise.yielding * p2
+    u = held(poise.lift, free, pilot.stops)
+    u_y = poise.yielding * p2_y if u == free else 0.0
+    q, q_y = poise.conductance * y + pilot.area * u, poise.conductance + pilot.area * u_y
+    q, q_y = q + (poise.swallow * p2 - poise.stored), q_y + poise.swallow * p2_y
+    e, zk = c - z * q, z * seat.conductance
+    root = math.sqrt(zk * zk + 4.0 * abs(e)) + 1e-30
+    s, per_root = math.copysign(0.5 * (root - zk), e), 1.0 / root
+    s_y, s_v = -z * q_y * per_root, -z * s * k_v * per_root
+    p, p_y, p_v = s * abs(s), 2.0 * abs(s) * s_y, 2.0 * abs(s) * s_v
+    q1, q3 = q - main.area * v, main.area * v
+    stiff_12 = 2.0 * orifices.a_12 * abs(q1) + orifices.b_12
+    stiff_3 = 2.0 * orifices.a_3 * abs(q3) + orifices.b_3
+    drag = spool_drag(abs(s), main)
+    p3 = p2 + drop(q3, orifices.a_3, orifices.b_3)
+    return Look(
+        node=p2 + drop(q1, orifices.a_12, orifices.b_12) - p,
+        node_y=p2_y + stiff_12 * q_y - p_y,
+        node_v=-stiff_12 * main.area - p_v,
+        force=seat.area * p - main.area * p3 - spool_spring(lift, main) - drag * v,
+        force_y=seat.area * p_y - main.area * p2_y,
+        force_v=seat.area * p_v - main.area**2 * stiff_3 - drag + push.half * (seat.area_slope * p - main.stiffness),
+        pilot_velocity=u,
+        pilot_velocity_y=u_y,
+        flow=seat.conductance * s + q,
+        flow_y=seat.conductance * s_y + q_y,
+        flow_v=seat.conductance * s_v + k_v * s,
+    )
+
+
+@inlined
+def meet(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve: Relief) -> End:
+    """Speeds and flows at the end of a substep: Newton on the pilot node and the spool's motion together.
+
+    Unknown are y and the spool's speed v at the end. Each equation rises with its own unknown, and the determinant has
+    the floor that inertia gives it. The last correction is carried into the results by their slopes.
+    """
+    dy = dv = 0.0
+    iterations = 0
+    while True:
+        at = look(y, v, poise, push, c, z, valve)
+        iterations += 1
+        per_node = 1.0 / at.node_y
+        if push.half > 0.0:
+            error = push.inertia * (v - push.velocity) - at.force
+            determinant = at.node_y * (push.inertia - at.force_v) + at.node_v * at.force_y
+            determinant = max(determinant, 0.5 * at.node_y * push.inertia)
+            dv = -(error * at.node_y + at.node * at.force_y) / determinant
+        dy = -(at.node + at.node_v * dv) * per_node
+        y, v = y + dy, v + dv
+        if iterations == ITERATIONS or (abs(dv) <= CLOSE_SPEED and abs(dy) <= CLOSE_ROOT * (abs(y) + 1.0)):
+            break
+    return End(
+        y,
+        at.pilot_velocity + at.pilot_velocity_y * dy,
+        v,
+        at.force + at.force_y * dy + at.force_v * dv,
+        at.flow + at.flow_y * dy + at.flow_v * dv,
+    )
