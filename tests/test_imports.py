@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 OURS = ("twin", "controller", "bridge")
 ALLOWED = {"twin": {"twin"}, "controller": {"controller", "twin"}, "bridge": set(OURS)}
-LAWS = ("law", "reference", "hold", "metrics", "sampling")
+LAWS = ("law", "reference", "hold", "metrics", "grid")
 IMPURE = {"time", "socket", "subprocess", "zenoh", "mcap", "rich", "typer", "threading", "datetime", "random"}
 
 
