@@ -5,5 +5,9 @@ class RunError(Exception):
     """The run cannot go on; the text names who or what, and when."""
 
 
-class ScenarioError(Exception):
-    """A scenario, or something else that was asked for, that cannot be used; its text has one line per mistake."""
+class UsageError(Exception):
+    """Something was asked for that cannot be done; the text has one line per mistake, each with the way out."""
+
+
+class ScenarioError(UsageError):
+    """A scenario that cannot be used."""

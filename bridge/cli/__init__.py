@@ -12,15 +12,14 @@ def main() -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     from bridge.cli.verbs import app
-    from bridge.errors import RunError, ScenarioError
-    from bridge.wire.link import LinkError
+    from bridge.errors import RunError, UsageError
 
     try:
         app()
-    except ScenarioError as error:
+    except UsageError as error:
         _complain(str(error))
         sys.exit(2)
-    except (RunError, LinkError) as error:
+    except RunError as error:
         _complain(str(error))
         sys.exit(1)
 

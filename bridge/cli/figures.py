@@ -7,6 +7,7 @@ import typer
 
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON
+from bridge.errors import UsageError
 
 
 def figure(
@@ -15,13 +16,12 @@ def figure(
     as_json: AS_JSON = False,
 ) -> None:
     """Draw a figure of the source from the twin: NAME.png and NAME.csv."""
-    from bridge.errors import ScenarioError
     from bridge.figures.catalogue import draw_figure
 
     try:
         paths = draw_figure(name, output)
     except ValueError as error:
-        raise ScenarioError(str(error)) from None
+        raise UsageError(str(error)) from None
     if as_json:
         print_json([str(path) for path in paths])
     else:

@@ -7,6 +7,7 @@ import typer
 
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON, CONFIG, CONNECT
+from bridge.errors import UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 SHOWN = Annotated[
@@ -66,10 +67,9 @@ def report(
 
 
 def _seconds(text: str) -> float:
-    from bridge.errors import ScenarioError
     from bridge.scenario.units import quantity
 
     try:
         return quantity(text, "s")
     except ValueError as error:
-        raise ScenarioError(f"--at {text}: {error}") from None
+        raise UsageError(f"--at {text}: {error}") from None

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from bridge.errors import UsageError
+
 FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
 TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
 TOLERANCE = Annotated[
@@ -15,13 +17,12 @@ TOLERANCE = Annotated[
 
 
 def tolerances(texts: list[str] | None) -> dict[str, str]:
-    """Signal -> what may be. Raises ScenarioError for what is no such pair."""
-    from bridge.errors import ScenarioError
+    """Signal -> what may be. Raises UsageError for what is no such pair."""
 
     pairs = [text.partition("=") for text in texts or []]
     for name, sign, value in pairs:
         if not sign or not value:
-            raise ScenarioError(f"--tolerance {name}: write SIGNAL=VALUE, such as position='0.1 mm'")
+            raise UsageError(f"--tolerance {name}: write SIGNAL=VALUE, such as position='0.1 mm'")
     return {name: value for name, _, value in pairs}
 
 
@@ -60,18 +61,17 @@ SCHEDULER = Annotated[
 
 
 def nanoseconds(option: str, text: str) -> int:
-    """A time that an option gives, such as "1.2 s" [ns]. Raises ScenarioError."""
+    """A time that an option gives, such as "1.2 s" [ns]. Raises UsageError."""
     return round(_quantity(option, text, "s") * 1e9)
 
 
 def _quantity(option: str, text: str, unit: str) -> float:
-    from bridge.errors import ScenarioError
     from bridge.scenario.units import quantity
 
     try:
         found = quantity(text, unit)
     except ValueError as error:
-        raise ScenarioError(f"{option} {text}: {error}") from None
+        raise UsageError(f"{option} {text}: {error}") from None
     if not 0.0 <= found < 1e15:
-        raise ScenarioError(f"{option} {text}: must be at least 0")
+        raise UsageError(f"{option} {text}: must be at least 0")
     return found

@@ -18,6 +18,7 @@ from bridge.cli.options import (
     nanoseconds,
 )
 from bridge.cli.processes import supervised_by_parent
+from bridge.errors import UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 if TYPE_CHECKING:
@@ -95,9 +96,8 @@ def _request(
 
 
 def _pair(text: str) -> tuple[str, str]:
-    from bridge.errors import ScenarioError
 
     key, sign, value = text.partition("=")
     if not sign or not key:
-        raise ScenarioError(f"--meta {text}: write KEY=VALUE, such as --meta operator=Ada")
+        raise UsageError(f"--meta {text}: write KEY=VALUE, such as --meta operator=Ada")
     return key, value

@@ -8,6 +8,7 @@ import typer
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON, FILE, TOLERANCE, TOPICS, tolerances
 from bridge.cli.printing import print_differences
+from bridge.errors import UsageError
 
 
 def info(file: FILE, as_json: AS_JSON = False) -> None:
@@ -53,7 +54,6 @@ def export(
     as_json: AS_JSON = False,
 ) -> None:
     """Write a recording for other programs, units in the headers."""
-    from bridge.errors import ScenarioError
     from bridge.recording.choice import choose
     from bridge.recording.export import export as write
     from bridge.recording.reader import read
@@ -61,7 +61,7 @@ def export(
 
     forms = [name for name, asked in (("csv", csv), ("parquet", parquet), ("mat", mat)) if asked]
     if len(forms) != 1:
-        raise ScenarioError("export: name one of --csv, --parquet, --mat")
+        raise UsageError("export: name one of --csv, --parquet, --mat")
     recording = read(file)
     chosen = sorted(choose([topic for topic in recording.counts if topic in OURS], topics))
     paths = write(recording, chosen, forms[0], output or file.with_suffix(".mat" if mat else ""))

@@ -10,6 +10,7 @@ from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON, CONFIG, FILE, TOLERANCE, nanoseconds, tolerances
 from bridge.cli.printing import print_differences
 from bridge.cli.record import TOPICS, WITHOUT
+from bridge.errors import UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 
@@ -58,7 +59,6 @@ def replay(
     if into is not None:
         _replay_into(file, into.value, (changes, tolerance, alone, listen, output), as_json)
         return
-    from bridge.errors import ScenarioError
     from bridge.replay.player import speed_of
     from bridge.replay.republish import Playing
     from bridge.replay.republish import replay as play
@@ -67,7 +67,7 @@ def replay(
     try:
         rate = speed_of(speed)
     except ValueError as error:
-        raise ScenarioError(f"--speed: {error}") from None
+        raise UsageError(f"--speed: {error}") from None
     begin, stop = (None if t is None else nanoseconds(n, t) for n, t in (("--start", start), ("--end", end)))
     playing = Playing(rate, loop, begin, stop, topics, without, tuple(remap or ()), paused, force, wait)
     link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, 10.0)

@@ -7,6 +7,7 @@ import typer
 
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON, CHANGES, SCENARIO, SCHEDULER, WORKERS
+from bridge.errors import UsageError
 
 PAIR = "LOW:HIGH"
 
@@ -102,7 +103,6 @@ def map_stability(
     --simulate lays runs of the nonlinear one; or of a scenario's rig (--rig), with runs of the full twin. Where such a
     run of the actuator parts from theory, the cause is found and said. An interrupted map goes on where it was.
     """
-    from bridge.scenario import ScenarioError
     from bridge.studies.stability.map import Wanted, make
 
     try:
@@ -123,7 +123,7 @@ def map_stability(
         )
         paths = make(wanted, output, workers, scheduler)
     except ValueError as error:
-        raise ScenarioError(str(error)) from None
+        raise UsageError(str(error)) from None
     if as_json:
         print_json([str(path) for path in paths])
     else:

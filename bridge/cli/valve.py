@@ -7,6 +7,7 @@ import typer
 
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON, CHANGES, SCHEDULER, WORKERS
+from bridge.errors import UsageError
 
 app = typer.Typer(help="Static curves, seats and chatter of relief valves: docs/valves.md.", no_args_is_help=True)
 OUTPUT = Annotated[Path, typer.Option("--output", "-o", help="Folder for the picture and the table.")]
@@ -156,12 +157,10 @@ def _range(text: str, name: str) -> tuple[float, float]:
 
 def _asked(answer: Any) -> Any:
     """The answer; a user's mistake as one line."""
-    from bridge.errors import ScenarioError
-
     try:
         return answer()
     except ValueError as error:
-        raise ScenarioError(str(error)) from None
+        raise UsageError(str(error)) from None
 
 
 def _save(name: str, drawn: Any, output: Path) -> list[str]:

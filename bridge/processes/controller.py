@@ -80,7 +80,7 @@ class ControllerProcess:
 
 
 def run_controller(scenario: Scenario, link: Link, mode: str, source: int, fifo: bool) -> None:
-    """Run a controller until its plant ends. Raises RunError, LinkError or ScenarioError with one line for people."""
+    """Run a controller until its plant ends. Raises RunError, LinkError or UsageError with one line for people."""
     stop = Stop()
     side = ControllerSide(scenario, source)
     prepare(fifo)

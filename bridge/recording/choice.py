@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Collection, Sequence
 from fnmatch import fnmatchcase
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 
 
 def choose(
@@ -12,12 +12,12 @@ def choose(
 ) -> frozenset[str]:
     """Of the valid topics those wanted (all, if nothing is) and not left out. Commas part patterns, too.
 
-    Raises ScenarioError for a pattern that fits none, and when nothing is left.
+    Raises UsageError for a pattern that fits none, and when nothing is left.
     """
     chosen = _matching(valid, wanted) if wanted else frozenset(valid)
     left = chosen - (_matching(valid, without) if without else frozenset())
     if not left:
-        raise ScenarioError(f"no topic is left of {', '.join(sorted(chosen))}")
+        raise UsageError(f"no topic is left of {', '.join(sorted(chosen))}")
     return left
 
 
@@ -28,6 +28,6 @@ def _matching(valid: Collection[str], patterns: Sequence[str]) -> frozenset[str]
         if not matches:
             near = difflib.get_close_matches(pattern, valid, n=1, cutoff=0.0)
             hint = f"; nearest: {near[0]!r} (valid: {', '.join(valid)})" if near else ""
-            raise ScenarioError(f"no topic fits {pattern!r}{hint}")
+            raise UsageError(f"no topic fits {pattern!r}{hint}")
         found |= matches
     return frozenset(found)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.recording.reader import Recording
 from bridge.recording.signals import COMPARED, Signal, signals_of
 from bridge.scenario.units import UNITS, quantity
@@ -37,12 +37,12 @@ def compare(
 ) -> list[Difference]:
     """Every signal that either has. `partly`: instants that only one has are no fault.
 
-    tolerances: pattern of signals -> "0.1 mm"; without one nothing may differ. Raises ScenarioError for wrong ones.
+    tolerances: pattern of signals -> "0.1 mm"; without one nothing may differ. Raises UsageError for wrong ones.
     """
     mine_of, other_of = signals_of(mine, topics), signals_of(other, topics)
     names = list(dict.fromkeys((*mine_of, *other_of)))
     if not names:
-        raise ScenarioError(f"{mine.path}, {other.path}: there is no signal in them to compare")
+        raise UsageError(f"{mine.path}, {other.path}: there is no signal in them to compare")
     allowed = _allowed(tolerances or {}, {name: (mine_of.get(name) or other_of[name]).unit for name in names})
     return [difference(name, mine_of.get(name), other_of.get(name), allowed[name], partly) for name in names]
 
@@ -79,10 +79,10 @@ def _allowed(tolerances: Mapping[str, str], unit_of: dict[str, str]) -> dict[str
     for pattern, text in tolerances.items():
         names = [n for n in unit_of if fnmatchcase(n, pattern) or fnmatchcase(n.partition(".")[2], pattern)]
         if not names:
-            raise ScenarioError(f"--tolerance {pattern}: no such signal (valid: {', '.join(unit_of)})")
+            raise UsageError(f"--tolerance {pattern}: no such signal (valid: {', '.join(unit_of)})")
         for name in names:
             try:
                 allowed[name] = quantity(text, unit_of[name] if unit_of[name] in UNITS else "")
             except ValueError as error:
-                raise ScenarioError(f"--tolerance {pattern}={text}: {name}: {error}") from None
+                raise UsageError(f"--tolerance {pattern}={text}: {name}: {error}") from None
     return allowed

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.recording.reader import Recording
 from bridge.recording.tables import Column, table
 
@@ -18,11 +18,11 @@ def export(recording: Recording, topics: list[str], form: str, output: Path) -> 
     """Write topics to a folder (csv, parquet) or to a file (mat); the files written."""
     tables = {topic: table(recording, topic) for topic in topics if recording.counts.get(topic)}
     if not tables:
-        raise ScenarioError(f"{recording.path}: there is nothing in it to export")
+        raise UsageError(f"{recording.path}: there is nothing in it to export")
     try:
         return FORMS[form](tables, output)
     except OSError as error:
-        raise ScenarioError(f"{error.filename or output}: {error.strerror}") from None
+        raise UsageError(f"{error.filename or output}: {error.strerror}") from None
 
 
 def _csv(tables: dict[str, list[Column]], folder: Path) -> list[Path]:
@@ -44,7 +44,7 @@ def _parquet(tables: dict[str, list[Column]], folder: Path) -> list[Path]:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise ScenarioError("Parquet needs pyarrow: pip install 'hydrotwin[parquet]'") from None
+        raise UsageError("Parquet needs pyarrow: pip install 'hydrotwin[parquet]'") from None
     paths = []
     for path, columns in _in_folder(tables, folder, "parquet"):
         arrays = [

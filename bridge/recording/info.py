@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.recording.reader import Recording
 from bridge.recording.summary import verdict
 from bridge.recording.tally import Tally
@@ -80,7 +80,7 @@ def _verdict(recording: Recording) -> list[str]:
     if "summary" in known:
         try:
             return [f"the run went badly: {fault}" for fault in verdict(known["summary"], recording.scenario())]
-        except ScenarioError:
+        except UsageError:
             return []
     return _unsummed(known) if "run" in known and recording.complete and "recovered" not in known else []
 

@@ -19,7 +19,8 @@ from mcap.records import Channel, Chunk, Metadata, Schema
 from mcap.stream_reader import StreamReader
 from numpy.typing import NDArray
 
-from bridge.scenario import Scenario, ScenarioError, check
+from bridge.errors import UsageError
+from bridge.scenario import Scenario, check
 from bridge.wire.messages import (
     STORE,
     TOPICS,
@@ -80,9 +81,9 @@ class Recording(NamedTuple):
         return {name: rows[name] for name, _ in fields}
 
     def scenario(self) -> Scenario:
-        """The scenario of the run. Raises ScenarioError when the file carries none."""
+        """The scenario of the run. Raises UsageError when the file carries none."""
         if "run" not in self.metadata:
-            raise ScenarioError(f"{self.path}: the recording carries no scenario")
+            raise UsageError(f"{self.path}: the recording carries no scenario")
         return check(self.metadata["run"]["scenario"], str(self.path))
 
 
@@ -92,7 +93,7 @@ def recording(path: Path, entries: list[Entry], metadata: dict[str, dict[str, An
 
 
 def read(path: Path, topics: Collection[str] | None = None) -> Recording:
-    """Read a file, or some of its topics. Raises ScenarioError when there is none or it is no MCAP."""
+    """Read a file, or some of its topics. Raises UsageError when there is none or it is no MCAP."""
     counts: Counter[str] = Counter()
     entries: list[Entry] = []
     metadata: dict[str, dict[str, Any]] = {}
@@ -101,7 +102,7 @@ def read(path: Path, topics: Collection[str] | None = None) -> Recording:
     try:
         with path.open("rb") as file:
             if file.read(8) != b"\x89MCAP0\r\n":
-                raise ScenarioError(f"{path}: not an MCAP file")
+                raise UsageError(f"{path}: not an MCAP file")
             file.seek(0)
             for record in StreamReader(file, emit_chunks=True).records:
                 if isinstance(record, Channel | Schema):
@@ -111,7 +112,7 @@ def read(path: Path, topics: Collection[str] | None = None) -> Recording:
                 elif isinstance(record, Metadata):
                     metadata[record.name] = {key: _value(text) for key, text in record.metadata.items()}
     except OSError as error:
-        raise ScenarioError(f"{path}: {error.strerror}") from None
+        raise UsageError(f"{path}: {error.strerror}") from None
     except (McapError, ValueError, KeyError, struct.error, RuntimeError, zstandard.ZstdError):
         complete = False
     return Recording(path, entries, metadata, complete, dict(counts), index.facts)

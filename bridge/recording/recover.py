@@ -10,7 +10,7 @@ from mcap.records import Attachment, Channel, Chunk, Header, Message, Metadata, 
 from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.recording.reader import decompressed
 
 CHUNK = 1024 * 1024  # bytes
@@ -74,9 +74,9 @@ class Copy:
 
 
 def recover(files: list[Path], output: Path) -> Recovered:
-    """Write all that is sound in some files, in their order, to one. Raises ScenarioError for what is no MCAP."""
+    """Write all that is sound in some files, in their order, to one. Raises UsageError for what is no MCAP."""
     if output.resolve() in {path.resolve() for path in files}:
-        raise ScenarioError(f"{output}: would overwrite what it is made from; name another file with --output")
+        raise UsageError(f"{output}: would overwrite what it is made from; name another file with --output")
     state: dict[str, int] = {"damaged": 0, "cut": 0}
     try:
         with output.open("wb") as file:
@@ -92,14 +92,14 @@ def recover(files: list[Path], output: Path) -> Recovered:
                 writer.add_metadata("recovered", facts)
             writer.finish()
     except OSError as error:
-        raise ScenarioError(f"{error.filename or output}: {error.strerror}") from None
+        raise UsageError(f"{error.filename or output}: {error.strerror}") from None
     return Recovered(output, copy.messages, state["damaged"], not (state["cut"] or state["damaged"]))
 
 
 def _profile(path: Path) -> str:
     with path.open("rb") as file:
         if file.read(8) != b"\x89MCAP0\r\n":
-            raise ScenarioError(f"{path}: not an MCAP file")
+            raise UsageError(f"{path}: not an MCAP file")
         file.seek(0)
         try:
             first = next(iter(StreamReader(file).records))

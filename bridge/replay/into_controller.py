@@ -9,11 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from bridge.errors import RunError
+from bridge.errors import RunError, UsageError
 from bridge.loop.controller import ControllerSide
 from bridge.processes.child import Child
 from bridge.recording.reader import Entry, Recording
-from bridge.scenario import Scenario, ScenarioError
+from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.messages import Outgoing, decode
 from controller.grid import Sampling, is_sample
@@ -26,7 +26,7 @@ def owner(recording: Recording) -> int:
     """The source of most commands: that of the controller to be replayed."""
     sources = Counter(command.source for command in recording.messages("command"))
     if not sources:
-        raise ScenarioError(f"{recording.path}: no command in it to compare with")
+        raise UsageError(f"{recording.path}: no command in it to compare with")
     return sources.most_common(1)[0][0]
 
 

@@ -2,15 +2,16 @@
 
 from collections.abc import Iterator
 
+from bridge.errors import UsageError
 from bridge.loop.plant import PlantSide
 from bridge.recording.reader import Recording
 from bridge.replay.schedule import schedule
-from bridge.scenario import Scenario, ScenarioError
+from bridge.scenario import Scenario
 from bridge.wire.messages import Outgoing
 
 
 def through_plant(recording: Recording, scenario: Scenario) -> Iterator[list[Outgoing]]:
-    """The messages of each tick, the recorded commands in between. Raises ScenarioError when no tick is recorded."""
+    """The messages of each tick, the recorded commands in between. Raises UsageError when no tick is recorded."""
     ticks = _ticks(recording, scenario)
     side = PlantSide(scenario, int(recording.metadata["run"]["run_id"]))
     inputs = iter(schedule(recording, scenario))
@@ -33,5 +34,5 @@ def _ticks(recording: Recording, scenario: Scenario) -> int:
     """How far the recorded run goes."""
     topic = next((topic for topic in ("measurement", "state") if recording.counts.get(topic)), None)
     if topic is None:
-        raise ScenarioError(f"{recording.path}: no measurement in it to compare with")
+        raise UsageError(f"{recording.path}: no measurement in it to compare with")
     return int(recording.columns(topic)["stamp"].max()) // scenario.loop.grid().daq

@@ -4,7 +4,7 @@ import time
 from collections import Counter
 from collections.abc import Iterable
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.wire.bus import Bus
 from bridge.wire.messages import TOPICS
 
@@ -14,21 +14,21 @@ LISTEN = 0.4  # seconds
 def remapped(keys: dict[str, str], rules: Iterable[str]) -> dict[str, str]:
     """Topic -> key, after rules a:=b; a is a key, the beginning of some, or a topic below the rig.
 
-    Raises ScenarioError for what is no rule, fits nothing, or lets two topics fall together.
+    Raises UsageError for what is no rule, fits nothing, or lets two topics fall together.
     """
     found = dict(keys)
     for rule in rules:
         old, sign, new = (part.strip("/") for part in rule.partition(":="))
         if not (old and sign and new):
-            raise ScenarioError(f"--remap {rule}: write OLD:=NEW, such as rig:=twin or measurement:=rig/again")
+            raise UsageError(f"--remap {rule}: write OLD:=NEW, such as rig:=twin or measurement:=rig/again")
         hits = {topic: _moved(topic, key, old, new) for topic, key in keys.items()}
         moved = {topic: key for topic, key in hits.items() if key is not None}
         if not moved:
-            raise ScenarioError(f"--remap {rule}: no key begins so (there are: {', '.join(sorted(keys.values()))})")
+            raise UsageError(f"--remap {rule}: no key begins so (there are: {', '.join(sorted(keys.values()))})")
         found |= moved
     double = [key for key, count in Counter(found.values()).items() if count > 1]
     if double:
-        raise ScenarioError(f"--remap: several topics would go to {', '.join(double)}")
+        raise UsageError(f"--remap: several topics would go to {', '.join(double)}")
     return found
 
 

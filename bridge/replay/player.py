@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, NamedTuple
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.machine.clock import SPIN_NS
 from bridge.replay.timeline import Timeline
 from bridge.scenario.units import quantity
@@ -101,7 +101,7 @@ class Player:
                 raise ValueError(f"{order.verb!r} is unknown (valid: {', '.join(self._verbs)})")
             self._verbs[order.verb](order.value, self._now())
             order.answer.set_result(self.status())
-        except (ValueError, ScenarioError) as error:
+        except (ValueError, UsageError) as error:
             order.answer.set_result(self.status() | {"error": str(error)})
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import zenoh
 
-from bridge.errors import RunError, ScenarioError
+from bridge.errors import RunError, UsageError
 from bridge.machine.process import Stop, prepare
 from bridge.recording.choice import choose
 from bridge.recording.reader import Entry, Recording, read
@@ -38,7 +38,7 @@ class Playing(NamedTuple):
 
 
 def replay(path: Path, link: Link, playing: Playing) -> dict[str, Any]:
-    """Play a recording; its last status. Raises ScenarioError, LinkError, or RunError where somebody else speaks."""
+    """Play a recording; its last status. Raises UsageError, LinkError, or RunError where somebody else speaks."""
     recording = read(path)
     entries = selected(recording, playing)
     keys = remapped(_keys(recording, {entry.topic for entry in entries}), playing.remap)
@@ -72,7 +72,7 @@ def selected(recording: Recording, playing: Playing) -> list[Entry]:
     end = math.inf if playing.end is None else playing.end
     found = [entry for entry in recording.entries if entry.topic in topics and begin <= entry.log_time <= end]
     if not found:
-        raise ScenarioError(f"{recording.path}: nothing in it between those times")
+        raise UsageError(f"{recording.path}: nothing in it between those times")
     return sorted(found, key=lambda entry: entry.log_time)
 
 

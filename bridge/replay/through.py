@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bridge.errors import UsageError
 from bridge.loop.controller import ControllerSide
 from bridge.recording.compare import compare
 from bridge.recording.reader import Entry, Recording, read
@@ -13,7 +14,7 @@ from bridge.recording.writer import RecordingWriter
 from bridge.replay.into_controller import FedController, heard, only, owner, through_side
 from bridge.replay.into_plant import through_plant
 from bridge.replay.residual import Residuals, Verdict, events_apart
-from bridge.scenario import Scenario, ScenarioError, changed
+from bridge.scenario import Scenario, changed
 from bridge.wire.bus import Bus
 from bridge.wire.link import Link, free_endpoint
 from bridge.wire.messages import Outgoing, encode
@@ -33,9 +34,9 @@ class Through(NamedTuple):
 
 
 def replay_through(path: Path, request: Through) -> Verdict:
-    """Replay and judge. Raises ScenarioError for a file that cannot be replayed, RunError when a process fails."""
+    """Replay and judge. Raises UsageError for a file that cannot be replayed, RunError when a process fails."""
     if request.output.resolve() == path.resolve():
-        raise ScenarioError(f"{path}: would be overwritten; name another file with --output")
+        raise UsageError(f"{path}: would be overwritten; name another file with --output")
     recording = read(path)
     scenario = _scenario(recording, request.changes)
     if request.into == "controller":
@@ -58,7 +59,7 @@ def replay_through(path: Path, request: Through) -> Verdict:
 
 def _scenario(recording: Recording, changes: Sequence[str]) -> Scenario:
     if "run" not in recording.metadata:
-        raise ScenarioError(f"{recording.path}: the recording carries no scenario to replay it with")
+        raise UsageError(f"{recording.path}: the recording carries no scenario to replay it with")
     return changed(recording.metadata["run"]["scenario"], changes, str(recording.path))
 
 

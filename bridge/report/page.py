@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bridge.drawing.html import svg, text
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.maps import draw_maps, draw_timing
 from bridge.report.sections import (
@@ -45,15 +45,15 @@ tr { break-inside: avoid } .numbers td:not(:first-child) { font-variant-numeric:
 
 
 def write_report(files: Sequence[Path], output: Path) -> Path:
-    """Write the report on one recording or several. Raises ScenarioError with one line."""
+    """Write the report on one recording or several. Raises UsageError with one line."""
     runs = [load_run(path) for path in files]
     if output.suffix.lower() not in (".html", ".htm"):
-        raise ScenarioError(f"{output}: a report is an HTML page; name it {output.with_suffix('.html')}")
+        raise UsageError(f"{output}: a report is an HTML page; name it {output.with_suffix('.html')}")
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(page(runs), encoding="utf-8")
     except OSError as error:
-        raise ScenarioError(f"cannot write {output}: {error.strerror}") from None
+        raise UsageError(f"cannot write {output}: {error.strerror}") from None
     return output
 
 

@@ -6,13 +6,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.errors import UsageError
 from bridge.recording.columns import reference_at
 from bridge.recording.frames import profiles
 from bridge.recording.reader import Recording, read
 from bridge.recording.summary import summarise, verdict
 from bridge.runs.check import Judgement, judge_run
 from bridge.runs.run import Outcome
-from bridge.scenario import Scenario, ScenarioError
+from bridge.scenario import Scenario
 from controller.grid import NS
 
 
@@ -45,10 +46,10 @@ class Run(NamedTuple):
 
 
 def load_run(path: Path) -> Run:
-    """Read a recording. Raises ScenarioError when there is nothing in it to report on."""
+    """Read a recording. Raises UsageError when there is nothing in it to report on."""
     recording = read(path)
     if recording.counts.get("state", 0) < 2:
-        raise ScenarioError(f"{path}: the recording holds no state of a plant, so there is nothing to report")
+        raise UsageError(f"{path}: the recording holds no state of a plant, so there is nothing to report")
     scenario = recording.scenario()
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
     faults = verdict(summary, scenario)

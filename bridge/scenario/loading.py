@@ -169,8 +169,6 @@ FASTEST_DAQ = 0.2e-3  # [s] of wall time
 
 def refuse_fast_daq(scenario: "Scenario", speed: float) -> None:
     """Real time goes to 5 kHz; faster acquisition is for lockstep and in process."""
-    from bridge.errors import ScenarioError
-
     least = FASTEST_DAQ * speed
     if scenario.loop.daq_period < least * 0.999:
         raise ScenarioError(

@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from bridge.errors import UsageError
 from bridge.recording.frames import Frames, frames
 from bridge.recording.reader import Recording
 from bridge.recording.words import run_in_words
-from bridge.scenario import Scenario, ScenarioError
+from bridge.scenario import Scenario
 from bridge.view import length_time
 from bridge.view.curves import CURVES, Curve, draw, span
 from bridge.view.layout import EVENTS, RUN, layout
@@ -26,12 +27,12 @@ def write(recording: Recording, path: Path) -> Path:
     import rerun as rr
 
     if path.suffix != ".rrd":
-        raise ScenarioError(f"{path}: Rerun knows its files by their ending; name it {path.with_suffix('.rrd')}")
+        raise UsageError(f"{path}: Rerun knows its files by their ending; name it {path.with_suffix('.rrd')}")
     stream = rr.RecordingStream(APPLICATION)
     try:
         stream.save(path)
     except RuntimeError as error:
-        raise ScenarioError(f"cannot write the view: {error}") from None
+        raise UsageError(f"cannot write the view: {error}") from None
     send(stream, recording)
     return path
 

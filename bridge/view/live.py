@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.errors import RunError, ScenarioError
+from bridge.errors import RunError, UsageError
 from bridge.machine.process import Stop
 from bridge.recording.reader import Entry
 from bridge.view.content import APPLICATION
@@ -41,9 +41,9 @@ class LiveOptions(NamedTuple):
 
 
 def watch(link: Link, rig: str, options: LiveOptions) -> None:
-    """Show a running plant until the viewer is closed or Ctrl-C. Raises RunError, LinkError or ScenarioError."""
+    """Show a running plant until the viewer is closed or Ctrl-C. Raises RunError, LinkError or UsageError."""
     if options.web + (options.save is not None) + (options.picture is not None) > 1:
-        raise ScenarioError("--web serves the view, --save and --screenshot write a file: choose one")
+        raise UsageError("--web serves the view, --save and --screenshot write a file: choose one")
     require_rerun()
     if options.picture:
         check_target(options.picture)
@@ -103,7 +103,7 @@ class Live:
         import rerun as rr
 
         if path.suffix != ".rrd":
-            raise ScenarioError(f"{path}: Rerun knows its files by their ending; name it {path.with_suffix('.rrd')}")
+            raise UsageError(f"{path}: Rerun knows its files by their ending; name it {path.with_suffix('.rrd')}")
         manifest = self._manifest(self.stop)
         if manifest is None:
             return
@@ -111,7 +111,7 @@ class Live:
         try:
             stream.save(path)
         except RuntimeError as error:
-            raise ScenarioError(f"cannot write the view: {error}") from None
+            raise UsageError(f"cannot write the view: {error}") from None
         self._draw(Drawing(stream, manifest, bare=False), lambda drawing: drawing.over)
         stream.disconnect()
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.wire.link import free_endpoint
 
 START_PATIENCE = 15.0  # [s] for a server to answer
@@ -40,15 +40,15 @@ class Program(NamedTuple):
 
 
 def require_rerun() -> None:
-    """Raise ScenarioError when Rerun is not installed."""
+    """Raise UsageError when Rerun is not installed."""
     if find_spec("rerun") is None:
-        raise ScenarioError("Rerun is not installed: pip install 'hydrotwin[view]'")
+        raise UsageError("Rerun is not installed: pip install 'hydrotwin[view]'")
 
 
 def require_screen() -> None:
-    """Raise ScenarioError when there is no screen for a window."""
+    """Raise UsageError when there is no screen for a window."""
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise ScenarioError(
+        raise UsageError(
             "there is no screen here: use --web for a browser, --screenshot FILE.png, or of a file --save FILE.rrd"
         )
 
@@ -136,9 +136,7 @@ def _await(process: subprocess.Popen[bytes], port: int, who: str) -> None:
             if probe.connect_ex((LOOPBACK, port)) == 0:
                 return
         time.sleep(0.05)
-    raise ScenarioError(
-        f"{who} did not start within {START_PATIENCE:g} s" if process.poll() is None else f"{who} ended"
-    )
+    raise UsageError(f"{who} did not start within {START_PATIENCE:g} s" if process.poll() is None else f"{who} ended")
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.view.rerun_program import Program, headless
 from bridge.view.timeline import TIMELINE
 
@@ -19,7 +19,7 @@ GRAPHICS = "Rerun finds no graphics to draw with; on Debian and Ubuntu: apt-get 
 def screenshot(path: Path, fill: Callable[[Program], float | None]) -> Path:
     """A picture of what `fill` sends to the program, at the time [s] that it returns; None: at the latest.
 
-    Raises ScenarioError with one line where it cannot be made.
+    Raises UsageError with one line where it cannot be made.
     """
     check_target(path)
     with headless(WIDTH, HEIGHT) as program:
@@ -29,16 +29,16 @@ def screenshot(path: Path, fill: Callable[[Program], float | None]) -> Path:
             _take(client, program, path, at)
         except (RuntimeError, ConnectionError) as error:
             gone = program.process.poll() is not None
-            raise ScenarioError(GRAPHICS if gone else f"no picture: {error}") from None
+            raise UsageError(GRAPHICS if gone else f"no picture: {error}") from None
     return path
 
 
 def check_target(path: Path) -> None:
     """Can a picture be written there?"""
     if path.suffix != ".png":
-        raise ScenarioError(f"{path}: a screenshot is a .png; name it {path.with_suffix('.png')}")
+        raise UsageError(f"{path}: a screenshot is a .png; name it {path.with_suffix('.png')}")
     if not path.absolute().parent.is_dir():
-        raise ScenarioError(f"cannot write {path}: there is no folder {path.parent}")
+        raise UsageError(f"cannot write {path}: there is no folder {path.parent}")
 
 
 def _client(program: Program) -> Any:

@@ -3,7 +3,7 @@
 import signal
 from pathlib import Path
 
-from bridge.errors import ScenarioError
+from bridge.errors import UsageError
 from bridge.recording.reader import Recording, read
 from bridge.view.content import APPLICATION, send, write
 from bridge.view.rerun_program import (
@@ -27,7 +27,7 @@ def show(
     at: the time [s] of the picture; negative for one of our choice.
     """
     if web + (save is not None) + (picture is not None) > 1:
-        raise ScenarioError("--web serves a recording, --save and --screenshot write a file: choose one")
+        raise UsageError("--web serves a recording, --save and --screenshot write a file: choose one")
     require_rerun()
     recording = readable(file)
     if save:
@@ -44,7 +44,7 @@ def readable(file: Path) -> Recording:
     """A recording with something to show."""
     recording = read(file)
     if not any(True for _ in recording.of("state")):
-        raise ScenarioError(f"{file}: the recording holds no state of a plant, so there is nothing to show")
+        raise UsageError(f"{file}: the recording holds no state of a plant, so there is nothing to show")
     return recording
 
 
@@ -63,7 +63,7 @@ def _open(recording: Recording) -> None:
         except KeyboardInterrupt:
             return
     if failed:
-        raise ScenarioError("Rerun's window did not open; use --web for a browser, or --save FILE.rrd")
+        raise UsageError("Rerun's window did not open; use --web for a browser, or --save FILE.rrd")
 
 
 def _serve(recording: Recording) -> None:
@@ -80,4 +80,4 @@ def _serve(recording: Recording) -> None:
             program.process.wait()
     except KeyboardInterrupt:
         return
-    raise ScenarioError("Rerun's web server ended by itself")
+    raise UsageError("Rerun's web server ended by itself")

@@ -12,11 +12,13 @@ from typing import Any, NamedTuple
 
 import zenoh
 
+from bridge.errors import RunError
+
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 WAIT_BEFORE_DROP_US = 10_000  # once; from then on a reader that stays stuck costs nothing
 
 
-class LinkError(Exception):
+class LinkError(RunError):
     """No connection; the text says to what, why, and what to try."""
 
 

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from bridge.cli.line import line as verb
 from bridge.cli.verbs import app
-from bridge.scenario import ScenarioError
+from bridge.errors import UsageError
 from bridge.studies.line.case import Request
 from bridge.studies.line.study import facts as what_it_says
 from bridge.studies.line.study import study
@@ -109,9 +109,9 @@ def test_cavitation_keeps_the_vapour_pressure():
     ],
 )
 def test_mistakes_get_one_line(tmp_path: Path, options: tuple[str, ...], message: str):
-    """`main` prints a ScenarioError as one line and exits with 2."""
+    """`main` prints a UsageError as one line and exits with 2."""
     result = line(tmp_path, *options)
-    assert isinstance(result.exception, ScenarioError)
+    assert isinstance(result.exception, UsageError)
     assert message in str(result.exception)
     assert "\n" not in str(result.exception)
     assert not (tmp_path / "line.csv").exists()

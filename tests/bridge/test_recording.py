@@ -10,11 +10,12 @@ import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
+from bridge.errors import UsageError
 from bridge.processes.recorder.order import Order
 from bridge.recording.digest import digest
 from bridge.recording.reader import Recording, read
 from bridge.runs.in_process import record_in_process
-from bridge.scenario import Scenario, ScenarioError, load
+from bridge.scenario import Scenario, load
 from bridge.wire.messages import TOPICS
 
 
@@ -94,7 +95,7 @@ def test_chunks_close_every_quarter_of_a_second(recording):
 def test_what_is_no_recording_is_told_in_one_line(tmp_path):
     (tmp_path / "a.mcap").write_text("hello, I am no recording")
     for path in (tmp_path / "a.mcap", tmp_path / "none.mcap", tmp_path):
-        with pytest.raises(ScenarioError) as error:
+        with pytest.raises(UsageError) as error:
             read(Path(path))
         assert "\n" not in str(error.value)
 

@@ -10,10 +10,11 @@ import pytest
 from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
+from bridge.errors import UsageError
 from bridge.recording.reader import Recording, read
 from bridge.replay.through import Through, replay_through
 from bridge.runs.in_process import record_in_process
-from bridge.scenario import ScenarioError, load
+from bridge.scenario import load
 from tests.bridge.test_golden import TOLERANCES
 from tests.support.processes import (
     child,
@@ -195,7 +196,7 @@ def test_mistakes_are_told_in_one_line(lockstep, words, told, tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     words = [str(lockstep.path) if word == "FILE" else word for word in words]
     error = CliRunner().invoke(app, words).exception
-    assert isinstance(error, ScenarioError)
+    assert isinstance(error, UsageError)
     assert told in str(error)
     assert "\n" not in str(error)
 
@@ -205,5 +206,5 @@ def test_a_recording_without_commands_is_no_input(tmp_path):
     record_in_process(load("step", ["duration=0.1", "controller.law=open-loop"]), path)
     cut = tmp_path / "b.mcap"
     cut.write_bytes(path.read_bytes()[:2000])
-    with pytest.raises(ScenarioError):
+    with pytest.raises(UsageError):
         replay_through(cut, Through("plant", tmp_path / "c.mcap", alone=True))

@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bridge.errors import UsageError
 from bridge.report.difference import metric_rows, parameter_rows, signal_differences
 from bridge.report.page import page, write_report
 from bridge.report.subject import Run, load_run, named_apart
 from bridge.report.thin import thinned
 from bridge.runs.in_process import record_in_process
-from bridge.scenario import ScenarioError, load
+from bridge.scenario import load
 from bridge.scenario.bands import METRICS, value_with_unit
 from bridge.scenario.describe import values_of
 
@@ -183,10 +184,10 @@ def test_a_thinned_curve_keeps_its_peaks_and_its_mean():
 def test_what_cannot_be_reported_gets_one_line(runs: list[Path], tmp_path: Path):
     empty = tmp_path / "a.mcap"
     empty.write_bytes(b"\x89MCAP0\r\n")
-    with pytest.raises(ScenarioError, match="nothing to report"):
+    with pytest.raises(UsageError, match="nothing to report"):
         write_report([empty], tmp_path / "a.html")
-    with pytest.raises(ScenarioError, match=r"name it .*\.html"):
+    with pytest.raises(UsageError, match=r"name it .*\.html"):
         write_report(runs[:1], tmp_path / "a.pdf")
     (tmp_path / "file").write_text("")
-    with pytest.raises(ScenarioError, match="cannot write"):
+    with pytest.raises(UsageError, match="cannot write"):
         write_report(runs[:1], tmp_path / "file" / "a.html")

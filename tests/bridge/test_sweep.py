@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
+from bridge.errors import UsageError
 from bridge.studies.sweep.engine import HERE, Crew, sweep
-from bridge.studies.sweep.journal import Journal, JournalError, key_of
+from bridge.studies.sweep.journal import Journal, key_of
 
 POINTS = [{"a": i, "b": 0.1 * i} for i in range(7)]
 ABOUT = {"title": "squares"}
@@ -64,7 +65,7 @@ def test_a_line_cut_off_is_dropped(tmp_path: Path, cut: int):
 
 def test_the_journal_of_another_sweep_is_refused(tmp_path: Path):
     Journal(tmp_path / "j", ABOUT).add(POINTS[0], {"square": 0.0})
-    with pytest.raises(JournalError, match="remove it"):
+    with pytest.raises(UsageError, match="remove it"):
         Journal(tmp_path / "j", {"title": "cubes"})
     assert json.loads((tmp_path / "j").read_text().splitlines()[0]) == {"sweep": ABOUT}
 

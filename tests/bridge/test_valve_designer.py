@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
-from bridge.scenario import ScenarioError
+from bridge.errors import UsageError
 from bridge.studies.sweep.engine import HERE
 from bridge.studies.valve.chart import rows as chart_rows
 from bridge.studies.valve.chatter import truly_damped
@@ -189,7 +189,7 @@ def test_the_verbs_answer_with_numbers_a_picture_and_a_table(tmp_path: Path):
     ],
 )
 def test_a_mistake_is_one_line(tmp_path: Path, words: tuple[str, ...], said: str):
-    with pytest.raises(ScenarioError, match=said):
+    with pytest.raises(UsageError, match=said):
         CliRunner().invoke(app, ["valve", *words, "-o", str(tmp_path)], catch_exceptions=False)
     assert not list(tmp_path.iterdir())
 

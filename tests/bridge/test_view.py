@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bridge.errors import UsageError
 from bridge.recording.reader import Recording, read
 from bridge.runs.in_process import record_in_process
 from bridge.runs.picture import draw as picture
-from bridge.scenario import ScenarioError, load
+from bridge.scenario import load
 from bridge.view.curves import CURVES, PICTURES, Drawn, samples, span
 from bridge.view.show import show
 
@@ -114,7 +115,7 @@ def test_axis_holds_the_curves_and_no_constant_is_squeezed():
 
 def test_without_rerun_one_line_says_how_to_get_it(recorded: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("bridge.view.rerun_program.find_spec", lambda name: None)
-    with pytest.raises(ScenarioError, match=re.escape("pip install 'hydrotwin[view]'")) as raised:
+    with pytest.raises(UsageError, match=re.escape("pip install 'hydrotwin[view]'")) as raised:
         show(recorded, web=False, save=recorded.with_name("never.rrd"))
     assert "\n" not in str(raised.value)
 
@@ -128,7 +129,7 @@ def test_file_without_a_run_gets_one_line(tmp_path: Path, content: bytes | None,
     file = tmp_path / "a.mcap"
     if content is not None:
         file.write_bytes(content)
-    with pytest.raises(ScenarioError, match=complaint) as raised:
+    with pytest.raises(UsageError, match=complaint) as raised:
         show(file, web=False, save=tmp_path / "a.rrd")
     assert "\n" not in str(raised.value)
 
@@ -136,14 +137,14 @@ def test_file_without_a_run_gets_one_line(tmp_path: Path, content: bytes | None,
 def test_no_recording_is_overwritten(recorded: Path):
     pytest.importorskip("rerun")
     before = recorded.read_bytes()
-    with pytest.raises(ScenarioError, match=r"name it .*short\.rrd"):
+    with pytest.raises(UsageError, match=r"name it .*short\.rrd"):
         show(recorded, web=False, save=recorded)
     assert recorded.read_bytes() == before
 
 
 def test_a_folder_that_is_not_there_gets_one_line(recorded: Path, tmp_path: Path):
     pytest.importorskip("rerun")
-    with pytest.raises(ScenarioError, match="cannot write"):
+    with pytest.raises(UsageError, match="cannot write"):
         show(recorded, web=False, save=tmp_path / "missing" / "a.rrd")
 
 
@@ -152,7 +153,7 @@ def test_without_a_screen_the_ways_out_are_named(recorded: Path, monkeypatch: py
     monkeypatch.setattr(sys, "platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    with pytest.raises(ScenarioError, match="--web"):
+    with pytest.raises(UsageError, match="--web"):
         show(recorded, web=False, save=None)
 
 

@@ -14,7 +14,7 @@ from bridge.drawing.canvas import (
     remark,
     stack,
 )
-from bridge.scenario import ScenarioError
+from bridge.errors import UsageError
 from bridge.studies.line.case import Request, amount, case_of
 from twin.lines.lab.exact import exact_history, kind_of
 from twin.lines.lab.pipe import VELOCITY, Case, History
@@ -58,7 +58,7 @@ def scale(study: Study) -> float:
 
 
 def study(request: Request) -> Study:
-    """Run what was asked for. ScenarioError: one line that says what cannot be and the way out."""
+    """Run what was asked for. UsageError: one line that says what cannot be and the way out."""
     try:
         case, span = case_of(request), 0.0
         span = amount(request, "span", "s") if request.span else 20.0 * case.pipe.travel_time
@@ -74,7 +74,7 @@ def study(request: Request) -> Study:
         history = simulate(case, request.scheme, request.friction, span, fine, float(vapour))
         return Study(case, request, history, _exact(case, request, fine, span))
     except ValueError as error:
-        raise ScenarioError(str(error)) from None
+        raise UsageError(str(error)) from None
 
 
 def _own_step(request: Request, case: Case) -> float:

@@ -44,7 +44,7 @@ class Wanted(NamedTuple):
 
 
 def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> list[Path]:
-    """Compute, run, write. Raises ValueError or ScenarioError that says what would do."""
+    """Compute, run, write. Raises ValueError or UsageError that says what would do."""
     scenario = None if wanted.rig is None else load(wanted.rig, list(wanted.changes))
     if scenario is None and (wanted.changes or wanted.about):
         raise ValueError("--set and --about are of a scenario's rig; name one with --rig, or use --at NAME=NUMBER")

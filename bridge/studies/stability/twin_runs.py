@@ -5,7 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bridge.scenario import Scenario, ScenarioError
+from bridge.errors import UsageError
+from bridge.scenario import Scenario
 from bridge.studies.stability.chart import OfRig
 from bridge.studies.stability.chart_drawing import Overlay, Run
 from bridge.studies.stability.edges import placed
@@ -18,9 +19,9 @@ from controller.law import per_metre
 def twin_runs(
     scenario: Scenario, across: str, up: str, places: Sequence[tuple[float, float]], part: Path, crew: Crew
 ) -> Overlay:
-    """Run the twin at each place (x, y) of a chart in rig units. Raises ScenarioError for an axis it does not have."""
+    """Run the twin at each place (x, y) of a chart in rig units. Raises UsageError for an axis it does not have."""
     if "damping" in (across, up):
-        raise ScenarioError("the twin has friction, but no damping to set; take gain, derivative, period or delay")
+        raise UsageError("the twin has friction, but no damping to set; take gain, derivative, period or delay")
     numbers, base = OfRig(scenario).numbers, scenario.model_dump(mode="json")
     asked = {(x, y): _point({**numbers, across: x, up: y}, scenario) for x, y in places}
     points = list({str(point): point for point in asked.values()}.values())

@@ -40,7 +40,7 @@ def sweep(
     """The results in the order of the points.
 
     part: file that keeps what has been found until the sweep is whole, then is removed; None keeps nothing. about:
-    what else the results depend on. Raises JournalError when `part` belongs to another sweep, RunError when the
+    what else the results depend on. Raises UsageError when `part` belongs to another sweep, RunError when the
     cluster does not answer, and whatever the task raises.
     """
     journal = None if part is None else Journal(part, _identity(task, about))

@@ -9,12 +9,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from bridge.errors import UsageError
+
 Point = Mapping[str, Any]  # plain data
 Result = Mapping[str, Any]
-
-
-class JournalError(ValueError):
-    """A journal that belongs to another sweep."""
 
 
 def key_of(point: Point) -> str:
@@ -36,7 +34,7 @@ class Journal:
         kept = whole[: whole.rfind(b"\n") + 1]
         lines = kept.decode().splitlines()
         if lines and lines[0] != self._head:
-            raise JournalError(
+            raise UsageError(
                 f"{self.path} holds what another sweep has found so far, or one of other sources; "
                 "remove it to start again, or choose another output"
             )
