@@ -11,13 +11,7 @@ from bridge.cli.options import AS_JSON
 def messages(as_json: AS_JSON = False) -> None:
     """Print every key, type, rate, `.msg` text and `struct` format."""
     from bridge.cli.tables import print_table
-    from bridge.wire.messages import (
-        TOPICS,
-        definition,
-        described,
-        field_names,
-        struct_format,
-    )
+    from bridge.wire.messages import TOPICS, definition, described, field_names, struct_format
 
     rows = [
         (

@@ -8,7 +8,8 @@ from typing import Any
 
 from bridge.scenario import Scenario, ScenarioError
 from bridge.scenario.gains import gains
-from bridge.wire.messages import Outgoing, Reference, ValveCommand
+from bridge.wire.codec import Reference, ValveCommand
+from bridge.wire.messages import Outgoing
 from controller.grid import NS, is_sample
 from controller.law import LAWS, Law, Sample
 from controller.reference import Target, evaluate

@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from bridge.wire.messages import LineProfile, Outgoing
+from bridge.wire.codec import LineProfile
+from bridge.wire.messages import Outgoing
 from twin.circuit.block import Compiled
 from twin.circuit.profile import XI, along_lines
 from twin.topology import HOLLOWS, LINES, PLACES

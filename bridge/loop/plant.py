@@ -11,18 +11,8 @@ import numpy as np
 from bridge.loop.line_profiles import LineProfiles
 from bridge.loop.safety import Gate, Refusal, Watchdog
 from bridge.scenario import Scenario
-from bridge.wire.messages import (
-    TOPICS,
-    Event,
-    FluidPressure,
-    Header,
-    JointState,
-    Measurement,
-    Outgoing,
-    PlantState,
-    Time,
-    decode,
-)
+from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
+from bridge.wire.messages import TOPICS, Outgoing
 from controller.grid import NS, last_due, to_ns
 from controller.hold import Hold
 from twin.circuit.block import compiled, run_block

@@ -9,8 +9,8 @@ from bridge.loop.controller import ControllerSide
 from bridge.machine.process import Stop, prepare
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus, Receiver
+from bridge.wire.codec import decode, ready
 from bridge.wire.link import Link
-from bridge.wire.messages import decode
 
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 
@@ -31,6 +31,7 @@ class ControllerProcess:
         self._deadline = float("inf")
         self._fault: Exception | None = None
         for topic, heed in (("measurement", self._answer), ("event", self._heed), ("status", self._follow)):
+            ready(topic)
             bus.subscribe(topic, self._guarded(topic, heed))
         bus.watch()
         bus.announce()

@@ -14,8 +14,9 @@ from bridge.machine.host import host, versions
 from bridge.machine.process import Stop, prepare
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus, claimed_type
+from bridge.wire.codec import LoopTiming, ready
 from bridge.wire.link import Link
-from bridge.wire.messages import LoopTiming, Outgoing
+from bridge.wire.messages import Outgoing
 from controller.grid import NS, is_sample
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
@@ -58,6 +59,7 @@ class PlantProcess:
         self.report: dict[str, Any] = {}  # the last words, once they are said
         self._facts = {"versions": versions(), "host": host()}
         bus.answer("scenario", self._manifest)
+        ready("command")
         bus.subscribe("command", self._on_command)
         bus.subscribe("reset", lambda *_: self._commands.put(None))
         bus.watch()

@@ -14,8 +14,8 @@ from bridge.machine.process import Stop
 from bridge.processes.child import Child
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
+from bridge.wire.codec import decode
 from bridge.wire.link import Link, LinkError, free_endpoint
-from bridge.wire.messages import decode
 
 SILENCE = 5.0  # seconds without a word from the plant after which it counts as gone
 FAREWELL = 8.0  # seconds that processes get to finish once they should

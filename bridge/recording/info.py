@@ -10,7 +10,8 @@ from bridge.errors import UsageError
 from bridge.recording.reader import Recording
 from bridge.recording.summary import verdict
 from bridge.recording.tally import Tally
-from bridge.wire.messages import SOURCED, decode
+from bridge.wire.codec import decode
+from bridge.wire.messages import SOURCED
 from controller.grid import NS
 
 PAUSE = 1.5  # periods without a message are a gap

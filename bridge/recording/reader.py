@@ -21,12 +21,8 @@ from numpy.typing import NDArray
 
 from bridge.errors import UsageError
 from bridge.scenario import Scenario, check
-from bridge.wire.messages import (
-    STORE,
-    TOPICS,
-    field_names,
-    struct_format,
-)
+from bridge.wire.codec import STORE
+from bridge.wire.messages import TOPICS, field_names, struct_format
 
 RECORD = struct.Struct("<BQ")  # opcode, length
 MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time

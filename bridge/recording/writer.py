@@ -15,7 +15,8 @@ from mcap.records import Metadata
 from mcap.writer import CompressionType, Writer
 
 from bridge.recording.sink import Sink
-from bridge.wire.messages import TOPICS, definition, type_hash
+from bridge.wire.codec import type_hash
+from bridge.wire.messages import TOPICS, definition
 from controller.grid import NS
 
 CHUNK = 8 * 1024 * 1024  # bytes; flushing by time closes them long before

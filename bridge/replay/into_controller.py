@@ -15,7 +15,8 @@ from bridge.processes.child import Child
 from bridge.recording.reader import Entry, Recording
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
-from bridge.wire.messages import Outgoing, decode
+from bridge.wire.codec import decode
+from bridge.wire.messages import Outgoing
 from controller.grid import Sampling, is_sample
 
 PATIENCE = 10.0  # seconds for an answer

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 from bridge.recording.compare import Difference
 from bridge.recording.reader import Recording
-from bridge.wire.messages import Outgoing, Residual
+from bridge.wire.codec import Residual
+from bridge.wire.messages import Outgoing
 
 MEASURED = ("position", "velocity", "p1", "p2", "p3")
 EVENTS = "event"

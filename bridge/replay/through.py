@@ -16,8 +16,9 @@ from bridge.replay.into_plant import through_plant
 from bridge.replay.residual import Residuals, Verdict, events_apart
 from bridge.scenario import Scenario, changed
 from bridge.wire.bus import Bus
+from bridge.wire.codec import encode
 from bridge.wire.link import Link, free_endpoint
-from bridge.wire.messages import Outgoing, encode
+from bridge.wire.messages import Outgoing
 
 COMPARED = {"plant": ("measurement", "state"), "controller": ("command", "reference")}
 

@@ -9,7 +9,8 @@ from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.summary import summarise
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario
-from bridge.wire.messages import Outgoing, encode
+from bridge.wire.codec import encode
+from bridge.wire.messages import Outgoing
 
 
 def record_in_process(

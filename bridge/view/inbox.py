@@ -11,7 +11,8 @@ import zenoh
 
 from bridge.recording.reader import Entry
 from bridge.wire.bus import Bus, stamp_of
-from bridge.wire.messages import TOPICS, decode, flat_size
+from bridge.wire.codec import decode
+from bridge.wire.messages import TOPICS, flat_size
 
 WATCHED = ("lines", "state", "reference", "event", "timing")  # not the loop's own: they go out at once, at a price
 MOST = 10_000  # messages of a topic that wait, some 10 s at 1 kHz

@@ -14,15 +14,9 @@ from typing import Any
 import numpy as np
 import zenoh
 
+from bridge.wire.codec import Status, encode, ready
 from bridge.wire.link import Link, open_session
-from bridge.wire.messages import (
-    TOPICS,
-    Outgoing,
-    Status,
-    Topic,
-    encode,
-    encoding,
-)
+from bridge.wire.messages import TOPICS, Outgoing, Topic, encoding
 
 STAMP = struct.Struct("<qQ")  # attachment: log time, sequence
 Receiver = Callable[[Any], None]  # takes a Zenoh sample
@@ -70,6 +64,7 @@ class Bus:
         """Publish what a role publishes, too."""
         for topic in TOPICS.values():
             if topic.publisher in (role, "all") and topic.name not in self._publishers:
+                ready(topic.name)
                 self._publishers[topic.name] = self._declare(topic, self._blocking)
 
     def publish(self, message: Outgoing, payload: bytes | None = None) -> None:

@@ -4,11 +4,10 @@ Payloads are ROS 2 messages in CDR. Those of the loop are flat: 8-byte fields af
 `struct` alone can read and write them.
 """
 
-from dataclasses import fields
+import re
+from collections.abc import Iterator
+from functools import cache
 from typing import Any, NamedTuple
-
-from rosbags.serde import SerdeError
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from twin.topology import HOLLOWS, OBSERVED, PLACES
 
@@ -112,6 +111,20 @@ string text       # what else there is to say; of a failure the reason
 """,
 }
 
+STANDARD_MESSAGES: dict[str, str] = {  # of ROS 2, for its tools
+    "builtin_interfaces/msg/Time": "int32 sec\nuint32 nanosec\n",
+    "std_msgs/msg/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
+    "std_msgs/msg/Empty": "",
+    "sensor_msgs/msg/JointState": """\
+std_msgs/Header header
+string[] name
+float64[] position
+float64[] velocity
+float64[] effort
+""",
+    "sensor_msgs/msg/FluidPressure": "std_msgs/Header header\nfloat64 fluid_pressure\nfloat64 variance\n",
+}
+
 
 class Topic(NamedTuple):
     """One key of a rig and what travels on it."""
@@ -127,6 +140,10 @@ class Topic(NamedTuple):
 
 def _own(name: str) -> str:
     return f"{PACKAGE}/{name}"
+
+
+TEXTS = {_own(name): text for name, text in (LOOP_MESSAGES | OTHER_MESSAGES).items()} | STANDARD_MESSAGES
+RULE = "=" * 80  # between the types of a schema
 
 
 TOPICS: dict[str, Topic] = {
@@ -157,26 +174,6 @@ TOPICS: dict[str, Topic] = {
     )
 }
 
-STORE = get_typestore(Stores.ROS2_JAZZY)
-for _name, _text in (LOOP_MESSAGES | OTHER_MESSAGES).items():
-    STORE.register(get_types_from_msg(_text, _own(_name)))
-for _topic in TOPICS.values():
-    STORE.get_msgdef(_topic.type)  # makes its serialiser now: later would be in the middle of a tick
-
-Measurement: Any = STORE.types[_own("Measurement")]
-ValveCommand: Any = STORE.types[_own("ValveCommand")]
-Reference: Any = STORE.types[_own("Reference")]
-PlantState: Any = STORE.types[_own("PlantState")]
-LineProfile: Any = STORE.types[_own("LineProfile")]
-Residual: Any = STORE.types[_own("Residual")]
-LoopTiming: Any = STORE.types[_own("LoopTiming")]
-Event: Any = STORE.types[_own("Event")]
-Status: Any = STORE.types[_own("Status")]
-JointState: Any = STORE.types["sensor_msgs/msg/JointState"]
-FluidPressure: Any = STORE.types["sensor_msgs/msg/FluidPressure"]
-Header: Any = STORE.types["std_msgs/msg/Header"]
-Time: Any = STORE.types["builtin_interfaces/msg/Time"]
-
 
 class Outgoing(NamedTuple):
     """A message on its way: topic name, log time [ns of simulated time], publisher's sequence, message."""
@@ -187,23 +184,6 @@ class Outgoing(NamedTuple):
     message: Any
 
 
-def encode(message: Any) -> bytes:
-    """CDR, little endian, with its 4-byte header."""
-    return bytes(STORE.serialize_cdr(message, message.__msgtype__))
-
-
-def decode(payload: bytes, topic: str) -> Any:
-    """The message that a payload on a topic holds. Raises ValueError when it is not one."""
-    kind = TOPICS[topic].type
-    size = flat_size(kind)
-    if size is not None and len(payload) != size:
-        raise ValueError(f"{len(payload)} bytes are no {kind}, which has {size}")
-    try:
-        return STORE.deserialize_cdr(payload, kind)
-    except (SerdeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{len(payload)} bytes are no {kind}") from error
-
-
 def encoding(kind: str) -> str:
     """What a publication says of its payload."""
     return f"application/cdr;{kind}"
@@ -211,36 +191,51 @@ def encoding(kind: str) -> str:
 
 def definition(kind: str) -> str:
     """The `.msg` text of a type, with those it needs: a `ros2msg` schema."""
-    return STORE.generate_msgdef(kind, ros_version=2)[0]
+    first, *needed = dict.fromkeys(_with_needed(kind))
+    return _bare(first) + "".join(f"{RULE}\nMSG: {_short(name)}\n{_bare(name)}" for name in needed)
+
+
+def _with_needed(kind: str) -> Iterator[str]:
+    yield kind
+    for field in fields_of(kind):
+        if "/" in field.type:
+            yield from _with_needed(field.type.replace("/", "/msg/"))
+
+
+def _bare(kind: str) -> str:
+    return "".join(f"{field.type} {field.name}\n" for field in fields_of(kind))
+
+
+def _short(kind: str) -> str:
+    return kind.replace("/msg/", "/")
 
 
 def described(kind: str) -> str:
     """The `.msg` text of a type for people: ours with its comments."""
-    own = (LOOP_MESSAGES | OTHER_MESSAGES).get(kind.removeprefix(f"{PACKAGE}/"))
-    return definition(kind) if own is None else own
+    return TEXTS[kind] if kind.startswith(PACKAGE) else definition(kind)
 
 
-def type_hash(kind: str) -> str:
-    """The ROS 2 hash of a type (RIHS01)."""
-    return STORE.hash_rihs01(kind)
+class Field(NamedTuple):
+    """One field of a message."""
+
+    type: str
+    name: str
 
 
+def fields_of(kind: str) -> list[Field]:
+    """The fields of a message type, in order."""
+    return [Field(*found) for found in _FIELD.findall(TEXTS[kind])]
+
+
+_FIELD = re.compile(r"^([\w/\[\]]+) +(\w+)", re.MULTILINE)
 _CODES = {"uint64": "Q", "int64": "q", "float64": "d"}
-_FORMATS: dict[str, str | None] = {}
 
 
+@cache
 def struct_format(kind: str) -> str | None:
     """The `struct` format of a flat message, header skipped; None for one with strings or arrays."""
-    if kind not in _FORMATS:
-        codes = [_CODES.get(_base_type(field)) for field in STORE.fielddefs[kind][1]]
-        _FORMATS[kind] = None if None in codes or not codes else "<4x" + "".join(c for c in codes if c)
-    return _FORMATS[kind]
-
-
-def _base_type(field: Any) -> str:
-    """The name of a field's plain type; of a list or a message, nothing."""
-    described = field[1][1]
-    return described[0] if isinstance(described[0], str) else ""
+    codes = [_CODES.get(field.type, "") for field in fields_of(kind)]
+    return "<4x" + "".join(codes) if codes and all(codes) else None
 
 
 def flat_size(kind: str) -> int | None:
@@ -249,13 +244,9 @@ def flat_size(kind: str) -> int | None:
     return None if layout is None else 4 + 8 * (len(layout) - 3)
 
 
-def _message_class(kind: str) -> Any:
-    return STORE.types[kind]
-
-
 def field_names(kind: str) -> list[str]:
-    """The fields of a message type, in order."""
-    return [field.name for field in fields(_message_class(kind)) if not field.name.startswith("__")]
+    """The names of a message type's fields, in order."""
+    return [field.name for field in fields_of(kind)]
 
 
 SOURCED = ("command", "reference")  # topics on which several sources may speak

@@ -12,7 +12,8 @@ from bridge.recording.reader import read
 from bridge.recording.writer import RecordingWriter
 from bridge.runs.run import RunRequest, run_scenario
 from bridge.scenario import load
-from bridge.wire.messages import TOPICS, encode
+from bridge.wire.codec import encode
+from bridge.wire.messages import TOPICS
 from tests.benchmarks.plant import Row
 
 

@@ -13,13 +13,13 @@ import pytest
 import zenoh
 
 from bridge.recording.reader import Recording, read
+from bridge.wire.codec import decode
 from bridge.wire.link import (
     Link,
     free_endpoint,
     names_addresses,
     open_session,
 )
-from bridge.wire.messages import decode
 from tests.support.processes import (
     ROOT,
     hydrotwin,

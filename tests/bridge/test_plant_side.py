@@ -9,7 +9,7 @@ import pytest
 
 from bridge.loop.plant import PlantSide
 from bridge.scenario import load
-from bridge.wire.messages import ValveCommand, encode
+from bridge.wire.codec import ValveCommand, encode
 from controller.grid import NS
 from twin.circuit.block import compiled, observed, run_block
 from twin.circuit.build import build

@@ -11,8 +11,8 @@ import zenoh
 
 from bridge.recording.reader import read
 from bridge.wire.bus import Bus
+from bridge.wire.codec import ValveCommand, encode
 from bridge.wire.link import Link, free_endpoint
-from bridge.wire.messages import ValveCommand, encode
 from tests.support.processes import (
     child,
     children,

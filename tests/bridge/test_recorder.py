@@ -26,8 +26,9 @@ from bridge.recording.sink import Sink
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.wire.bus import Bus
+from bridge.wire.codec import decode
 from bridge.wire.link import Link, free_endpoint
-from bridge.wire.messages import TOPICS, decode
+from bridge.wire.messages import TOPICS
 from tests.support.processes import (
     child,
     children,

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from bridge.loop.safety import Gate, Watchdog
-from bridge.wire.messages import ValveCommand
+from bridge.wire.codec import ValveCommand
 from controller.grid import NS, sampling
 
 RUN, OWNER, OTHER, MS = 7, 11, 12, 1_000_000

@@ -15,8 +15,8 @@ from bridge.recording.reader import Entry
 from bridge.scenario import load
 from bridge.view.inbox import WATCHED, Inbox, run_of
 from bridge.wire.bus import STAMP
+from bridge.wire.codec import encode
 from bridge.wire.link import free_endpoint
-from bridge.wire.messages import encode
 from tests.bridge.test_view import column
 from tests.support.processes import (
     hydrotwin,

@@ -7,7 +7,8 @@ import pytest
 
 from bridge.loop.exchange import exchange, sides
 from bridge.scenario import load
-from bridge.wire.messages import decode, described, encode
+from bridge.wire.codec import decode, encode
+from bridge.wire.messages import described
 from tests.support.plant import circuit, pipes
 from twin.circuit.block import compiled, observed
 from twin.circuit.equilibrium import equilibrium

@@ -17,7 +17,8 @@ from bridge.recording.summary import NEEDED, summarise
 from bridge.recording.tally import Tally
 from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
-from bridge.wire.messages import SOURCED, TOPICS, decode
+from bridge.wire.codec import decode
+from bridge.wire.messages import SOURCED, TOPICS
 from controller.grid import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]

@@ -1,0 +1,72 @@
+"""Messages as bytes and back: CDR by `rosbags`, whose classes and serialisers are made of the texts in `messages`.
+
+Making them takes tenths of a second, so whoever only lists or refuses does not import this module.
+"""
+
+from typing import Any
+
+from rosbags.serde import SerdeError
+from rosbags.typesys import get_types_from_msg
+from rosbags.typesys.store import Typestore
+
+from bridge.wire.messages import PACKAGE, TEXTS, TOPICS, flat_size
+
+EMPTY = "uint8 structure_needs_at_least_one_member"  # what ROS 2 sends of a message without fields
+
+
+def _store() -> Typestore:
+    store, types = Typestore(), {}
+    for name, text in TEXTS.items():
+        types |= get_types_from_msg(text or EMPTY, name)
+    store.register(types)
+    return store
+
+
+STORE = _store()
+
+
+def ready(*topics: str) -> None:
+    """Make the serialisers of some topics now: at their first use would be in the middle of a tick."""
+    for topic in topics or TOPICS:
+        STORE.get_msgdef(TOPICS[topic].type)
+
+
+def _own(name: str) -> Any:
+    return STORE.types[f"{PACKAGE}/{name}"]
+
+
+Measurement: Any = _own("Measurement")
+ValveCommand: Any = _own("ValveCommand")
+Reference: Any = _own("Reference")
+PlantState: Any = _own("PlantState")
+LineProfile: Any = _own("LineProfile")
+Residual: Any = _own("Residual")
+LoopTiming: Any = _own("LoopTiming")
+Event: Any = _own("Event")
+Status: Any = _own("Status")
+JointState: Any = STORE.types["sensor_msgs/msg/JointState"]
+FluidPressure: Any = STORE.types["sensor_msgs/msg/FluidPressure"]
+Header: Any = STORE.types["std_msgs/msg/Header"]
+Time: Any = STORE.types["builtin_interfaces/msg/Time"]
+
+
+def encode(message: Any) -> bytes:
+    """CDR, little endian, with its 4-byte header."""
+    return bytes(STORE.serialize_cdr(message, message.__msgtype__))
+
+
+def decode(payload: bytes, topic: str) -> Any:
+    """The message that a payload on a topic holds. Raises ValueError when it is not one."""
+    kind = TOPICS[topic].type
+    size = flat_size(kind)
+    if size is not None and len(payload) != size:
+        raise ValueError(f"not a {kind}: {len(payload)} bytes, expected {size}")
+    try:
+        return STORE.deserialize_cdr(payload, kind)
+    except (SerdeError, UnicodeDecodeError) as error:
+        raise ValueError(f"not a {kind}: {len(payload)} bytes that do not decode") from error
+
+
+def type_hash(kind: str) -> str:
+    """The ROS 2 hash of a type (RIHS01)."""
+    return STORE.hash_rihs01(kind)
