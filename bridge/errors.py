@@ -1,4 +1,9 @@
-"""What ends a run badly, and what keeps it from starting."""
+"""What ends a run badly, what keeps it from starting, and the words for a name that is not known."""
+
+import difflib
+from collections.abc import Collection
+
+LIKENESS = 0.55  # of 1: below this a suggestion would mislead
 
 
 class RunError(Exception):
@@ -11,3 +16,10 @@ class UsageError(Exception):
 
 class ScenarioError(UsageError):
     """A scenario that cannot be used."""
+
+
+def nearest(word: str, valid: Collection[str], further: str = "") -> str:
+    """The end of a sentence on an unknown word: what may have been meant, and what there is."""
+    near = difflib.get_close_matches(word, valid, n=1, cutoff=LIKENESS)
+    known = ", ".join([*(name or "none" for name in valid), *([further] if further else [])])
+    return (f"; did you mean {near[0]!r}?" if near else "") + f" (valid: {known})"

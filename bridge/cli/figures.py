@@ -7,7 +7,6 @@ import typer
 
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON
-from bridge.errors import UsageError
 
 
 def figure(
@@ -18,10 +17,7 @@ def figure(
     """Draw a figure of the source from the twin: NAME.png and NAME.csv."""
     from bridge.figures.catalogue import draw_figure
 
-    try:
-        paths = draw_figure(name, output)
-    except ValueError as error:
-        raise UsageError(str(error)) from None
+    paths = draw_figure(name, output)
     if as_json:
         print_json([str(path) for path in paths])
     else:

@@ -7,7 +7,6 @@ import typer
 
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON, CONFIG, CONNECT
-from bridge.errors import UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 SHOWN = Annotated[
@@ -36,7 +35,9 @@ def view(
     Watching live: what a slow viewer cannot take is left out of the picture. Drawing takes processor time: where
     timing matters run the loop with --fifo, or watch from another machine.
     """
-    when = -1.0 if at is None else _seconds(at)
+    from bridge.scenario.units import option
+
+    when = -1.0 if at is None else option("at", at, "s")
     if file is not None:
         from bridge.view.show import show
 
@@ -64,12 +65,3 @@ def report(
         print_json({"report": str(written)})
     else:
         print(written)
-
-
-def _seconds(text: str) -> float:
-    from bridge.scenario.units import quantity
-
-    try:
-        return quantity(text, "s")
-    except ValueError as error:
-        raise UsageError(f"--at {text}: {error}") from None

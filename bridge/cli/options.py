@@ -60,18 +60,8 @@ SCHEDULER = Annotated[
 ]
 
 
-def nanoseconds(option: str, text: str) -> int:
+def nanoseconds(name: str, text: str) -> int:
     """A time that an option gives, such as "1.2 s" [ns]. Raises UsageError."""
-    return round(_quantity(option, text, "s") * 1e9)
+    from bridge.scenario.units import option
 
-
-def _quantity(option: str, text: str, unit: str) -> float:
-    from bridge.scenario.units import quantity
-
-    try:
-        found = quantity(text, unit)
-    except ValueError as error:
-        raise UsageError(f"{option} {text}: {error}") from None
-    if not 0.0 <= found < 1e15:
-        raise UsageError(f"{option} {text}: must be at least 0")
-    return found
+    return round(option(name, text, "s", least=0.0) * 1e9)

@@ -14,7 +14,6 @@ from bridge.cli.options import (
     MODE,
     SUPERVISED,
     ProcessMode,
-    _quantity,
     nanoseconds,
 )
 from bridge.cli.processes import supervised_by_parent
@@ -80,17 +79,18 @@ def _request(
     from bridge.processes.recorder.ring import Window
     from bridge.processes.recorder.run_file import Request
     from bridge.recording.choice import choose
+    from bridge.scenario.units import option
     from bridge.wire.messages import TOPICS as ALL
 
     size, seconds, fsync = files
     ring, after, triggers = kept
     keeping = Keeping(
         choose(ALL, topics, without) if topics or without else None,
-        None if size is None else round(_quantity("--split-size", size, "byte")),
-        None if seconds is None else nanoseconds("--split-time", seconds),
+        None if size is None else round(option("split-size", size, "byte", least=0.0)),
+        None if seconds is None else nanoseconds("split-time", seconds),
         fsync,
     )
-    window = None if ring is None else Window(nanoseconds("--ring", ring), nanoseconds("--after", after))
+    window = None if ring is None else Window(nanoseconds("ring", ring), nanoseconds("after", after))
     kinds = () if triggers == "none" else tuple(kind.strip() for kind in triggers.split(","))
     return Request(keeping, window, kinds, tuple(_pair(text) for text in meta or []))
 

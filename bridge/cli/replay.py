@@ -68,7 +68,7 @@ def replay(
         rate = speed_of(speed)
     except ValueError as error:
         raise UsageError(f"--speed: {error}") from None
-    begin, stop = (None if t is None else nanoseconds(n, t) for n, t in (("--start", start), ("--end", end)))
+    begin, stop = (None if t is None else nanoseconds(n, t) for n, t in (("start", start), ("end", end)))
     playing = Playing(rate, loop, begin, stop, topics, without, tuple(remap or ()), paused, force, wait)
     link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, 10.0)
     status = play(file, link, playing)

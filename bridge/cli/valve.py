@@ -55,12 +55,13 @@ def seat(
     as_json: AS_JSON = False,
 ) -> None:
     """A seat at a lift and a pressure drop: flow, loss, forces, damping; a warning where its law does not hold."""
+    from bridge.scenario.units import option
     from bridge.studies.valve.chatter import law_of
     from bridge.studies.valve.seat import draw, facts, rows
 
     def answer() -> tuple[dict[str, Any], Any]:
         law_of(kind)
-        rig, x, dp = _rig(scenario, changes), _si(lift, "m", "lift"), _si(drop, "Pa", "drop")
+        rig, x, dp = _rig(scenario, changes), option("lift", lift, "m"), option("drop", drop, "Pa")
         return facts(kind, x, dp, rig), draw(kind, x, dp, rig)
 
     found, drawn = _asked(answer)
@@ -78,10 +79,15 @@ def chatter(
     as_json: AS_JSON = False,
 ) -> None:
     """Will it sing? Seat, spring and volume (rig.chatter) at a flow: damping needed and had, frequency, impacts."""
+    from bridge.scenario.units import option
     from bridge.studies.valve.chatter import draw, facts, rows
 
     def answer() -> tuple[dict[str, Any], Any]:
-        rig, q, x0 = _rig(scenario, changes), _si(flow, "m^3/s", "flow"), _si(precompression, "m", "precompression")
+        rig, q, x0 = (
+            _rig(scenario, changes),
+            option("flow", flow, "m^3/s"),
+            option("precompression", precompression, "m"),
+        )
         return facts(kind, q, x0, rig), draw(kind, q, x0, rig)
 
     found, drawn = _asked(answer)
@@ -108,6 +114,7 @@ def chart(
     """
     import numpy as np
 
+    from bridge.scenario.units import option
     from bridge.studies.sweep.engine import Crew
     from bridge.studies.valve.chart import draw
     from bridge.studies.valve.chatter import law_of
@@ -116,7 +123,7 @@ def chart(
 
     def answer() -> Any:
         law, pilot = law_of(kind), pilot_of(_rig(scenario, changes))
-        x0 = _si(precompression, "m", "precompression")
+        x0 = option("precompression", precompression, "m")
         s = system(law, reference(law, pilot).flow, x0, pilot)
         q, k = (np.linspace(*_range(text, name), cells) for text, name in ((flows, "flows"), (dampings, "dampings")))
         output.mkdir(parents=True, exist_ok=True)
@@ -133,15 +140,6 @@ def _rig(scenario: str, changes: list[str] | None) -> Any:
     from bridge.scenario import load
 
     return load(scenario, changes).rig_values()
-
-
-def _si(text: str, unit: str, name: str) -> float:
-    from bridge.scenario.units import quantity
-
-    try:
-        return quantity(text, unit)
-    except ValueError as error:
-        raise ValueError(f"--{name} {text!r}: {error}") from None
 
 
 def _range(text: str, name: str) -> tuple[float, float]:

@@ -1,6 +1,5 @@
 """Every figure: its name, its title, and the function that draws it."""
 
-import difflib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import NamedTuple
 
 from bridge.drawing.canvas import Columns, Sheet
 from bridge.drawing.files import save
+from bridge.errors import UsageError, nearest
 from bridge.figures.circuit import rig
 from bridge.figures.friction import friction
 from bridge.figures.lines import characteristics as lines_characteristics
@@ -102,10 +102,9 @@ FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 
 
 def draw_figure(name: str, directory: str | Path) -> tuple[Path, Path]:
-    """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. ValueError: no such figure."""
+    """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. UsageError: no such figure."""
     if name not in FIGURES:
-        nearest = difflib.get_close_matches(name, FIGURES, n=6, cutoff=0.5) or list(FIGURES)
-        raise ValueError(f"no figure {name!r}; nearest: {', '.join(nearest)}")
+        raise UsageError(f"no figure {name!r}{nearest(name, FIGURES)}")
     columns, sheet = FIGURES[name].draw()
     picture, table = save(name, columns, sheet, Path(directory))
     return picture, table

@@ -1,16 +1,15 @@
 """Which topics: patterns such as "pressure/*", what they choose and what they leave out."""
 
-import difflib
 from collections.abc import Collection, Sequence
 from fnmatch import fnmatchcase
 
-from bridge.errors import UsageError
+from bridge.errors import UsageError, nearest
 
 
 def choose(
     valid: Collection[str], wanted: Sequence[str] | None, without: Sequence[str] | None = None
 ) -> frozenset[str]:
-    """Of the valid topics those wanted (all, if nothing is) and not left out. Commas part patterns, too.
+    """Of the valid topics those wanted (all, if nothing is) and not left out. Commas separate patterns, too.
 
     Raises UsageError for a pattern that fits none, and when nothing is left.
     """
@@ -26,8 +25,6 @@ def _matching(valid: Collection[str], patterns: Sequence[str]) -> frozenset[str]
     for pattern in (part.strip() for text in patterns for part in text.split(",")):
         matches = {topic for topic in valid if fnmatchcase(topic, pattern)}
         if not matches:
-            near = difflib.get_close_matches(pattern, valid, n=1, cutoff=0.0)
-            hint = f"; nearest: {near[0]!r} (valid: {', '.join(valid)})" if near else ""
-            raise UsageError(f"no topic fits {pattern!r}{hint}")
+            raise UsageError(f"no topic fits {pattern!r}{nearest(pattern, valid)}")
         found |= matches
     return frozenset(found)

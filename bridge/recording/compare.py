@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bridge.errors import UsageError
+from bridge.errors import UsageError, nearest
 from bridge.recording.reader import Recording
 from bridge.recording.signals import COMPARED, Signal, signals_of
 from bridge.scenario.units import UNITS, quantity
@@ -79,7 +79,7 @@ def _allowed(tolerances: Mapping[str, str], unit_of: dict[str, str]) -> dict[str
     for pattern, text in tolerances.items():
         names = [n for n in unit_of if fnmatchcase(n, pattern) or fnmatchcase(n.partition(".")[2], pattern)]
         if not names:
-            raise UsageError(f"--tolerance {pattern}: no such signal (valid: {', '.join(unit_of)})")
+            raise UsageError(f"--tolerance {pattern}: no such signal{nearest(pattern, unit_of)}")
         for name in names:
             try:
                 allowed[name] = quantity(text, unit_of[name] if unit_of[name] in UNITS else "")

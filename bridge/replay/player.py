@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, NamedTuple
 
-from bridge.errors import UsageError
+from bridge.errors import UsageError, nearest
 from bridge.machine.clock import SPIN_NS
 from bridge.replay.timeline import Timeline
 from bridge.scenario.units import quantity
@@ -98,7 +98,7 @@ class Player:
     def _heed(self, order: Order) -> None:
         try:
             if order.verb not in self._verbs:
-                raise ValueError(f"{order.verb!r} is unknown (valid: {', '.join(self._verbs)})")
+                raise ValueError(f"{order.verb!r} is unknown{nearest(order.verb, self._verbs)}")
             self._verbs[order.verb](order.value, self._now())
             order.answer.set_result(self.status())
         except (ValueError, UsageError) as error:

@@ -3,10 +3,10 @@
 And of a part of the run: "mean p1 from impact + 300 ms to impact + 600 ms >= 66 bar".
 """
 
-import difflib
 import re
 from typing import NamedTuple
 
+from bridge.errors import nearest
 from bridge.scenario.units import quantity
 from controller.metrics import Band, Metrics
 from controller.window import END, START, STATISTICS, Moment, WindowBand
@@ -80,9 +80,8 @@ def parse_band(text: str) -> Band | WindowBand:
         return _window_band(text, window, match[2], match[3])
     metric = match[1].replace(" ", "_").replace("-", "_")
     if metric not in METRICS:
-        near = difflib.get_close_matches(metric, METRICS, n=1, cutoff=0.0)[0].replace("_", " ")
-        valid = ", ".join(name.replace("_", " ") for name in METRICS)
-        raise ValueError(f"expect {text!r}: no metric {match[1]!r}; nearest: {near!r} (valid: {valid})")
+        known = [name.replace("_", " ") for name in METRICS]
+        raise ValueError(f"expect {text!r}: no metric {match[1]!r}{nearest(match[1], known)}")
     try:
         return Band(metric, match[2], quantity(match[3], METRICS[metric].unit))
     except ValueError as error:
@@ -92,8 +91,7 @@ def parse_band(text: str) -> Band | WindowBand:
 def _window_band(text: str, window: re.Match[str], relation: str, limit: str) -> WindowBand:
     statistic, signal, begin, end = window.groups()
     if signal not in SIGNALS:
-        near = difflib.get_close_matches(signal, SIGNALS, n=1, cutoff=0.0)[0]
-        raise ValueError(f"expect {text!r}: no signal {signal!r}; nearest: {near!r} (valid: {', '.join(SIGNALS)})")
+        raise ValueError(f"expect {text!r}: no signal {signal!r}{nearest(signal, SIGNALS)}")
     try:
         bounds = _moment(begin or START), _moment(end or END)
         return WindowBand(statistic, signal, *bounds, relation, quantity(limit, SIGNALS[signal]))
@@ -107,8 +105,7 @@ def _moment(text: str) -> Moment:
     if match is None:
         return Moment(START, quantity(text, "s"))
     if match[1] not in MOMENTS:
-        near = difflib.get_close_matches(match[1], MOMENTS, n=1, cutoff=0.0)[0]
-        raise ValueError(f"no moment {match[1]!r}; nearest: {near!r} (valid: {', '.join(MOMENTS)}, or a time)")
+        raise ValueError(f"no moment {match[1]!r}{nearest(match[1], MOMENTS, 'or a time')}")
     offset = quantity(match[3], "s") if match[3] else 0.0
     return Moment(match[1], -offset if match[2] == "-" else offset)
 

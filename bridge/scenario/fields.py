@@ -1,12 +1,12 @@
 """Fields of scenarios that take a number in SI, or text with a unit."""
 
-import difflib
 import math
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from bridge.errors import nearest
 from bridge.scenario.units import UNITS, quantity, split
 
 
@@ -44,7 +44,7 @@ class Measured(Worded):
         """In SI. Only a resistance may be infinite: there it means that nothing passes."""
         number = quantity(value, self.unit)
         if math.isnan(number) or (math.isinf(number) and self.unit != "Pa s/m^3"):
-            raise ValueError(f"{number} is no finite number")
+            raise ValueError(f"{number} is not a finite number")
         return number
 
 
@@ -59,15 +59,13 @@ class Gain(Worded):
     def read(self, value: object) -> str:
         """The number with its unit."""
         if isinstance(value, bool):
-            raise ValueError(f"{value!r} is no gain; write a number in {self.volts}")
+            raise ValueError(f"{value!r} is not a gain; write a number in {self.volts}")
         number, unit = (float(value), "") if isinstance(value, int | float) else split(str(value))
         if not math.isfinite(number):
-            raise ValueError(f"{value!r} is no finite gain")
+            raise ValueError(f"{value!r} is not a finite gain")
         unit = unit or self.volts
         if unit not in self.units:
-            near = difflib.get_close_matches(unit, self.units, n=1, cutoff=0.0)[0]
-            valid = ", ".join(self.units)
-            raise ValueError(f"{value!r}: unit {unit!r} does not fit here; nearest: {near!r} (valid: {valid})")
+            raise ValueError(f"{value!r}: unit {unit!r} does not fit here{nearest(unit, self.units)}")
         return f"{number!r} {unit}"
 
 

@@ -1,7 +1,6 @@
 """Scenario files: found, read, changed from the command line, and checked with one line per mistake."""
 
 import copy
-import difflib
 import json
 import tomllib
 from collections.abc import Iterable, Iterator
@@ -11,7 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from bridge.errors import ScenarioError
+from bridge.errors import ScenarioError, nearest
 from bridge.scenario import references
 from bridge.scenario.model import Scenario
 
@@ -88,9 +87,7 @@ def _source(which: str) -> tuple[str, Path]:
     path = Path(which)
     if path.is_file():
         return path.read_text(), path.parent
-    near = difflib.get_close_matches(which, names(), n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    raise ScenarioError(f"{which}: no such scenario or file; {hint}built in: {', '.join(names())}")
+    raise ScenarioError(f"{which}: no such scenario or file{nearest(which, names())}")
 
 
 def _with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -107,7 +104,7 @@ def _with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
 def _apply(data: dict[str, Any], change: str) -> None:
     key, sign, text = change.partition("=")
     if not sign or not key.strip():
-        raise ScenarioError(f"{change!r} is no change; write section.name=value, such as controller.gain=0.4")
+        raise ScenarioError(f"{change!r} is not a change; write section.name=value, such as controller.gain=0.4")
     *path, last = key.strip().split(".")
     for name in path:
         data = data.setdefault(name, {})
@@ -130,14 +127,12 @@ def _lines(error: ValidationError) -> Iterator[str]:
             yield f"{where}: {context['error']}" if where else str(context["error"])
         elif kind in LIMITS:
             limit = context[LIMITS[kind][1]]
-            nearest = "any beyond it" if kind in ("greater_than", "less_than") else limit
-            yield f"{where}: {entry['input']!r} must be {LIMITS[kind][0]} {limit}; nearest valid: {nearest}"
+            yield f"{where}: {entry['input']!r} must be {LIMITS[kind][0]} {limit}"
         elif kind in ("literal_error", "union_tag_invalid"):
             valid = str(context.get("expected") or context.get("expected_tags"))
             words = [word.strip(" '") for word in valid.replace(" or ", ",").split(",")]
             given = str(context.get("tag", entry["input"]))
-            near = difflib.get_close_matches(given, words, n=1, cutoff=0.0)
-            yield f"{where}: {given!r} is unknown; nearest: {near[0]!r} (valid: {', '.join(words)})"
+            yield f"{where}: {given!r} is unknown{nearest(given, words)}"
         else:
             yield f"{where}: {entry['msg'].lower()} (got {entry['input']!r})"
 
@@ -160,8 +155,7 @@ def _near_key(place: list[str]) -> str:
             field = model.model_fields.get(name) if model else None
             model = field.annotation if field is not None and hasattr(field.annotation, "model_fields") else None
     valid = list(model.model_fields) if model else []
-    near = difflib.get_close_matches(place[-1], valid, n=1, cutoff=0.0)
-    return f"; did you mean {near[0]!r}? (valid: {', '.join(valid)})" if near else ""
+    return nearest(place[-1], valid) if valid else ""
 
 
 FASTEST_DAQ = 0.2e-3  # [s] of wall time

@@ -1,10 +1,10 @@
 """The sections of a scenario, and the scenario: what is simulated, controlled and expected."""
 
-import difflib
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, create_model, model_validator
 
+from bridge.errors import nearest
 from bridge.scenario.bands import parse_band
 from bridge.scenario.fields import (
     DerivativeGain,
@@ -53,8 +53,7 @@ class Loop(Part):
 def _known_law(name: str) -> str:
     if name in LAWS or ":" in name:
         return name
-    near = difflib.get_close_matches(name, LAWS, n=1, cutoff=0.0)[0]
-    raise ValueError(f"law {name!r} is unknown; nearest: {near!r} (valid: {', '.join(LAWS)}, or module:function)")
+    raise ValueError(f"law {name!r} is unknown{nearest(name, LAWS, 'module:function')}")
 
 
 class Controller(Part):

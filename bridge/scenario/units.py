@@ -1,9 +1,10 @@
 """Numbers with units: what a person may write where SI is kept."""
 
-import difflib
 import math
 import re
 from typing import NamedTuple
+
+from bridge.errors import UsageError, nearest
 
 
 class Unit(NamedTuple):
@@ -14,6 +15,7 @@ class Unit(NamedTuple):
 
 
 MINUTE = 60.0
+LARGEST = 1e15  # of an option, in SI: above it nothing is meant
 UNITS: dict[str, dict[str, Unit]] = {
     "s": {"s": Unit(1.0), "ms": Unit(1e-3), "us": Unit(1e-6), "ns": Unit(1e-9), "min": Unit(MINUTE), "h": Unit(3600.0)},
     "m": {"m": Unit(1.0), "cm": Unit(1e-2), "mm": Unit(1e-3), "um": Unit(1e-6)},
@@ -47,14 +49,14 @@ def split(text: str) -> tuple[float, str]:
     """The number and the unit of a text such as "2.5 ms". Raises ValueError when there is no number."""
     match = _NUMBER.fullmatch(text)
     if match is None:
-        raise ValueError(f"{text!r} is no number with a unit, such as '2.5 ms'")
+        raise ValueError(f"cannot read {text!r}: write a number with a unit, such as '2.5 ms'")
     return float(match[1]), match[2]
 
 
 def quantity(value: object, unit: str) -> float:
     """A plain number (SI) or a text with a unit, in SI. Raises ValueError naming the nearest valid unit."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"{value!r} is no number{f' in {unit}' if unit else ''}")
+        raise ValueError(f"{value!r} is not a number{f' in {unit}' if unit else ''}")
     if not isinstance(value, str):
         return float(value)
     number, written = split(value)
@@ -62,7 +64,17 @@ def quantity(value: object, unit: str) -> float:
     if written not in known:
         if not written and unit:
             return number
-        near = difflib.get_close_matches(written, known, n=1, cutoff=0.0)
-        valid = ", ".join(name or "none" for name in known)
-        raise ValueError(f"{value!r}: unit {written!r} does not fit here; nearest: {near[0]!r} (valid: {valid})")
+        raise ValueError(f"{value!r}: unit {written!r} does not fit here{nearest(written, known)}")
     return number * known[written].factor + known[written].offset
+
+
+def option(name: str, text: str, unit: str, least: float = -math.inf, above: float = -math.inf) -> float:
+    """The value of a command's option in SI. Raises UsageError naming the option and what it takes."""
+    try:
+        found = quantity(text, unit)
+    except ValueError as error:
+        raise UsageError(f"--{name} {text!r}: {error}") from None
+    if abs(found) < LARGEST and found >= least and found > above:
+        return found
+    limits = ((least, f"at least {least:g}"), (above, f"above {above:g}"), (0.0, "finite"))
+    raise UsageError(f"--{name} {text!r}: must be {next(words for limit, words in limits if math.isfinite(limit))}")

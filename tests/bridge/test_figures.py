@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bridge.errors import UsageError
 from bridge.figures.catalogue import FIGURES, LONG, draw_figure
 from bridge.figures.friction.constant_speed import (
     CARD,
@@ -64,9 +65,12 @@ def exact_points(law) -> Points:
     return measure(law, thermometer=0.0, stop_watch=0.0)
 
 
-@pytest.mark.parametrize(("name", "nearest"), [("2.3", "2.23"), ("24", "2.4"), ("viscosity", "2.2, 2.4, 2.5, 2.6")])
+@pytest.mark.parametrize(
+    ("name", "nearest"),
+    [("2.3", "; did you mean '2.30'?"), ("24", "; did you mean '2.4'?"), ("viscosity", " (valid: 2.2, 2.4, 2.5, 2.6")],
+)
 def test_an_unknown_figure_is_refused_with_the_nearest(tmp_path: Path, name: str, nearest: str):
-    with pytest.raises(ValueError, match=rf"no figure '{name}'; nearest: .*{nearest}"):
+    with pytest.raises(UsageError, match=re.escape(f"no figure '{name}'{nearest}")):
         draw_figure(name, tmp_path / "none")
     assert not (tmp_path / "none").exists()
 

@@ -188,7 +188,7 @@ def _fitting(into: str, allowed: dict[str, str]) -> dict[str, str]:
         (("replay", "FILE", "--speed", "0"), "greater than 0"),
         (("replay", "FILE", "--remap", "a=b"), "write OLD:=NEW"),
         (("export", "FILE"), "name one of"),
-        (("record", "--topics", "stat"), "nearest: 'state'"),
+        (("record", "--topics", "stat"), "did you mean 'state'"),
         (("record", "--meta", "nothing"), "KEY=VALUE"),
     ],
 )

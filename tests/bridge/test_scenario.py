@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bridge.errors import nearest
 from bridge.scenario import Scenario, ScenarioError, check, load, names
 from bridge.scenario.bands import METRICS, parse_band
 from bridge.scenario.units import UNITS, quantity
@@ -29,33 +30,33 @@ def test_the_built_in_scenarios_are_there_and_load():
     [
         ("loop.sample_perod=1", "loop.sample_perod: unknown key; did you mean 'sample_period'"),
         ("rig.load.mas=3", "rig.load.mas: unknown key; did you mean 'mass'"),
-        ("loop.delay='2.5 mss'", "unit 'mss' does not fit here; nearest: 'ms'"),
+        ("loop.delay='2.5 mss'", "unit 'mss' does not fit here; did you mean 'ms'"),
         ("rig.load.mass='3 bar'", "unit 'bar' does not fit here"),
         ("loop.delay=0.00001", "nearest: 0 or 5e-05"),
         ("rig.valve.overlap=1.5", "rig.valve.overlap: 1.5 must be at most 0.9"),
-        ("rig.valve.overlap=nan", "no finite number"),
-        ("duration=inf", "no finite number"),
-        ("controller.law=pid", "law 'pid' is unknown; nearest: 'pd'"),
-        ("controller.gain='3 V/mm'", "unit 'V/mm' does not fit here; nearest: 'V/%'"),
-        ("reference.kind=stp", "'stp' is unknown; nearest: 'step'"),
-        ("expect=['overshot <= 5 %']", "no metric 'overshot'; nearest: 'overshoot'"),
+        ("rig.valve.overlap=nan", "not a finite number"),
+        ("duration=inf", "not a finite number"),
+        ("controller.law=pid", "law 'pid' is unknown; did you mean 'pd'"),
+        ("controller.gain='3 V/mm'", "unit 'V/mm' does not fit here; did you mean 'V/%'? (valid: V/%, 1/m)"),
+        ("reference.kind=stp", "'stp' is unknown; did you mean 'step'"),
+        ("expect=['overshot <= 5 %']", "no metric 'overshot'; did you mean 'overshoot'"),
         ("expect=['overshoot <= 5 bar']", "unit 'bar' does not fit here"),
         ("expect=['limit cycle: maybe']", "'none' or 'present'"),
         ("start.position='3 m'", "lies outside the stroke"),
         ("rig.load.mass=1", "too light for the seal's friction"),
         ("rig.pipe_1.length='1 mm'", "pipe_1, 0.001 m: travel time"),
         ("rig.pipe_3.length='0.1 m'", "take a smaller loop.step, a longer pipe or model lumped"),
-        ("rig.valve.kind=switchin", "rig.valve.kind: 'switchin' is unknown; nearest: 'switching'"),
+        ("rig.valve.kind=switchin", "rig.valve.kind: 'switchin' is unknown; did you mean 'switching'"),
         ("rig.pipe_2.model=wavy", "(valid: ends, nodes, lumped)"),
         ("rig.pump.ripple=true", "rig.pump.ripple"),
         ("rig.oil.temperature=95", "must be at most 80"),
         ("rig.cylinder.rod='60 mm'", "must be thinner than cylinder.bore"),
         ("controller.gain.x=1", "controller.gain"),
-        ("controller.gain=nan", "no finite gain"),
-        ("controller.gain=true", "is no gain"),
+        ("controller.gain=nan", "not a finite gain"),
+        ("controller.gain=true", "is not a gain"),
         ("daq.tachometer=false", "needs a tachometer"),
         ("loop.delay='11 s'", "loop.delay: 11.0 must be at most 10.0"),
-        ("nonsense", "is no change"),
+        ("nonsense", "is not a change"),
     ],
 )
 def test_a_mistake_gets_one_line_that_names_it(change, said):
@@ -151,3 +152,10 @@ def test_a_load_too_light_for_the_step_is_refused():
     """Frictionless and light, the piston swings on the oil faster than the step can follow."""
     with pytest.raises(ScenarioError, match="swings too fast on the oil"):
         load("step", ["rig.seal.limit=0", "rig.load.mass='5 g'"])
+
+
+def test_a_suggestion_is_like_what_was_written():
+    """`disturbance` is not a slip of `duration`, nor `kp` of anything; then only what there is is named."""
+    assert nearest("durations", ["duration", "seed"]) == "; did you mean 'duration'? (valid: duration, seed)"
+    assert nearest("disturbance", ["duration", "seed"]) == " (valid: duration, seed)"
+    assert nearest("kp", ["gain", "compensate_overlap"], "or 1/m") == " (valid: gain, compensate_overlap, or 1/m)"

@@ -179,7 +179,7 @@ def test_the_verbs_answer_with_numbers_a_picture_and_a_table(tmp_path: Path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("seat", "round"), "no seat 'round'; there are chamfered, conical"),
+        (("seat", "round"), "no seat 'round' \\(valid: chamfered, conical\\)"),
         (("seat", "conical", "--lift", "9 mm"), "leaves no gap"),
         (("chatter", "conical", "--flow", "3 bar"), "--flow '3 bar'"),
         (("chatter", "conical", "--flow", "0"), "take a flow above 0"),

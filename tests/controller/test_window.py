@@ -41,9 +41,9 @@ def test_bands_in_words():
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("mean p5 >= 1 bar", "no signal 'p5'; nearest"),
+        ("mean p5 >= 1 bar", "no signal 'p5' \\(valid: position"),
         ("mean p1 >= 1 mm", "unit 'mm' does not fit here"),
-        ("mean p1 from impct to end >= 1 bar", "no moment 'impct'; nearest: 'impact'"),
+        ("mean p1 from impct to end >= 1 bar", "no moment 'impct'; did you mean 'impact'"),
         ("mean p1 from 1 parsec to end >= 1 bar", "unit 'parsec' does not fit here"),
         ("median p1 >= 1 bar", "no metric 'median p1'"),
     ],

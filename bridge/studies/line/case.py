@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
-from bridge.scenario.units import quantity
+from bridge.errors import UsageError, nearest
+from bridge.scenario.units import option
 from twin.lines.lab.pipe import PRESSURE, VELOCITY, Case, End, Pipe, closed, elastic, ramp, reservoir
 from twin.oil import fluid_modulus, kinematic_viscosity
 from twin.rig import values
@@ -48,7 +47,7 @@ def case_of(request: Request) -> Case:
     velocity, pressure = amount(request, "velocity", "m/s", signed=True), amount(request, "pressure", "Pa")
     for kind in (request.left, request.right):
         if kind not in ENDS:
-            raise ValueError(f"end {kind!r} unknown; known: {', '.join(ENDS)}")
+            raise UsageError(f"end {kind!r} is unknown{nearest(kind, ENDS)}")
     kinds = {request.left, request.right}
     if not kinds & {"reservoir", "push"}:
         raise ValueError("one end must hold pressure (reservoir or push), else the start is not known")
@@ -65,7 +64,7 @@ def _pipe(request: Request) -> Pipe:
     if request.oil != OIL:
         raise ValueError(f"oil {request.oil!r} unknown; take {OIL}, with --density, --viscosity or --speed of your own")
     oil, steel = values()["oil"], values()["pipe_1"]
-    temperature = quantity(request.temperature, "degC")
+    temperature = option("temperature", request.temperature, "degC")
     viscosity = amount(request, "viscosity", "m^2/s") if request.viscosity else kinematic_viscosity(temperature)
     density = amount(request, "density", "kg/m^3") if request.density else float(oil["density"])
     pipe = Pipe(amount(request, "length", "m"), amount(request, "diameter", "m"), 1.0, density, viscosity)
@@ -90,11 +89,5 @@ def _end(request: Request, kind: str, velocity: float, pressure: float) -> End:
 
 def amount(request: Request, name: str, unit: str, signed: bool = False, zero: bool = False) -> float:
     """A quantity in SI; above zero unless it may be otherwise."""
-    text = getattr(request, name)
-    try:
-        value = quantity(text, unit)
-    except ValueError as error:
-        raise ValueError(f"--{name} {error}") from None
-    if not np.isfinite(value) or (not signed and (value < 0.0 or (value == 0.0 and not zero))):
-        raise ValueError(f"--{name} {text} must be {'finite' if signed else '0 or more' if zero else 'above 0'}")
-    return value
+    limits = {} if signed else {"least": 0.0} if zero else {"above": 0.0}
+    return option(name, getattr(request, name), unit, **limits)

@@ -9,6 +9,7 @@ import math
 from collections.abc import Collection, Mapping
 from typing import Any
 
+from bridge.errors import nearest
 from bridge.scenario import Scenario, changed
 from bridge.studies.stability.rig_plant import at_rest
 from twin.rig import RIG
@@ -61,7 +62,7 @@ def with_causes(scenario: Scenario, present: Collection[str]) -> Scenario:
     """
     for cause in present:
         if cause not in (*AWAY, DEAD_BAND):
-            raise ValueError(f"cause {cause!r} is none of {', '.join((*CAUSES, DEAD_BAND))}")
+            raise ValueError(f"cause {cause!r} is unknown{nearest(cause, (*CAUSES, DEAD_BAND))}")
     taken: dict[str, Any] = {"controller.compensate_overlap": DEAD_BAND not in present}
     for cause in CAUSES:
         taken |= {} if cause in present else AWAY[cause]

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.errors import nearest
 from bridge.scenario import Scenario
 from bridge.scenario.gains import gains
 from bridge.studies.stability.advice import held, plants_of
@@ -124,7 +125,7 @@ def chart(family: Family, across: str, up: str, x: Array, y: Array) -> Chart:
     """Count multipliers over two of AXES. Raises ValueError for other axes, and for a period that is not positive."""
     for axis in (across, up):
         if axis not in AXES:
-            raise ValueError(f"axis {axis!r} is none of {', '.join(AXES)}")
+            raise ValueError(f"axis {axis!r} is unknown{nearest(axis, AXES)}")
     if across == up:
         raise ValueError(f"both axes are {across!r}; take two of {', '.join(AXES)}")
     shape = len(y), len(x)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.errors import nearest
 from bridge.scenario import load
 from bridge.studies.stability.actuator_runs import OWN, actuator_runs
 from bridge.studies.stability.chart import (
@@ -81,14 +82,14 @@ def numbers(fixed: tuple[str, ...], known: list[str]) -> dict[str, float]:
         try:
             found[name] = float(value)
         except ValueError:
-            raise ValueError(f"--at {entry!r}: {value!r} is no number") from None
+            raise ValueError(f"--at {entry!r}: {value!r} is not a number") from None
     return found
 
 
 def span(axis: str, text: str | None, family: Family, cells: int) -> NDArray[np.float64]:
     """Values along an axis: from LOW:HIGH, or around what the loop has."""
     if axis not in AXES:
-        raise ValueError(f"axis {axis!r} is none of {', '.join(AXES)}")
+        raise ValueError(f"axis {axis!r} is unknown{nearest(axis, AXES)}")
     if text is not None:
         low, _, high = text.partition(":")
         try:

@@ -11,6 +11,7 @@ from bridge.drawing.canvas import (
     label,
     sheet,
 )
+from bridge.errors import nearest
 from twin.chatter.build import pilot_of
 from twin.chatter.equilibrium import gains
 from twin.chatter.impact import impact_orbit, orbit_error
@@ -27,7 +28,7 @@ PARTS = ("spring", "shear", "film")
 def law_of(seat: str) -> SeatLaw:
     """The law of a seat's name. Raises ValueError for another."""
     if seat not in SEATS:
-        raise ValueError(f"no seat {seat!r}; there are {', '.join(SEATS)}")
+        raise ValueError(f"no seat {seat!r}{nearest(seat, SEATS)}")
     return SEATS[seat]
 
 
