@@ -4,37 +4,20 @@ numba's own cache looks at one file only and would go stale when a component tha
 directory named by all sources cannot.
 """
 
-import hashlib
-import os
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 from numba.core import config
 
+from twin.cache_folder import cache_directory
+from twin.compiled_code import KernelCache
+
 F = TypeVar("F", bound=Callable[..., Any])
+FOLDER = cache_directory()
+INTERPRETED = bool(config.DISABLE_JIT)  # pyright: ignore[reportAttributeAccessIssue] # as debuggers set it: slow
 
-
-def cache_directory() -> Path:
-    """Where compiled code of exactly these sources lives: the user's cache, or a temporary one if that is closed."""
-    digest = hashlib.sha256()
-    for package in ("twin", "controller"):
-        for source in sorted((Path(__file__).parents[1] / package).rglob("*.py")):
-            digest.update(source.read_bytes())
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    directory = home / "hydrotwin" / digest.hexdigest()[:16]
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=directory).close()
-    except OSError:
-        directory = Path(tempfile.gettempdir()) / f"hydrotwin-{os.getuid()}" / directory.name
-    return directory
-
-
-if not config.CACHE_DIR:  # pyright: ignore[reportAttributeAccessIssue]
-    config.CACHE_DIR = str(cache_directory())  # pyright: ignore[reportAttributeAccessIssue]
+config.CACHE_DIR = str(FOLDER or "")  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def kernel(function: F) -> F:
@@ -61,5 +44,7 @@ def allocating_kernel(function: F) -> F:
 
 
 def _compiled(function: F, **options: Any) -> F:
-    options |= {"nogil": True, "cache": True, "error_model": "numpy"}
-    return numba.njit(**options)(function)  # pyright: ignore[reportReturnType]
+    compiled = numba.njit(nogil=True, error_model="numpy", **options)(function)
+    if FOLDER and not INTERPRETED:
+        compiled._cache = KernelCache(function)  # pyright: ignore[reportAttributeAccessIssue]
+    return compiled  # pyright: ignore[reportReturnType]

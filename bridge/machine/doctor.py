@@ -20,7 +20,7 @@ from bridge.machine.punctuality import (
     sleeping,
 )
 from bridge.wire.link import DEFAULT_ENDPOINT
-from twin.kernel import cache_directory
+from twin.cache_folder import cache_directory, is_lasting
 
 OPTIONAL = {"rerun-sdk", "hydrotwin"}  # our own name is missing when we run from the sources
 ROOM_FAIR, ROOM_BAD = 1e9, 1e8  # [bytes] an hour at 1 kHz takes about 0.9 GB; 100 MB hold 7 minutes
@@ -133,15 +133,17 @@ def _write_speed(folder: Path) -> float:
 def compile_cache() -> Verdict:
     """Where compiled code is kept, and is it there already?"""
     folder = cache_directory()
+    if folder is None:
+        return "fair", "cannot be kept: every start compiles", "set XDG_CACHE_HOME to a folder that can be written"
     files = [path for path in folder.rglob("*") if path.is_file()]
     found = f"{folder}: {sum(path.stat().st_size for path in files) / 1e6:.1f} MB"
-    if folder.parent.name != "hydrotwin":
+    if not is_lasting(folder):
         return (
             "fair",
             found,
             "the user's cache cannot be written: set XDG_CACHE_HOME to a folder that outlives a restart",
         )
-    return "good" if any(path.suffix == ".nbi" for path in files) else "fair", found, COLD
+    return "good" if any(path.suffix == ".nbc" for path in files) else "fair", found, COLD
 
 
 LOOKS: dict[str, Callable[[], Verdict]] = {

@@ -176,9 +176,9 @@ def test_compiled_code_is_cold_warm_or_temporary(tmp_path: Path, monkeypatch: py
     folder.mkdir(parents=True)
     monkeypatch.setattr(doctor, "cache_directory", lambda: folder)
     assert doctor.compile_cache()[0] == "fair"
-    (folder / "circuit.step_once.nbi").write_bytes(b"index")
+    (folder / "circuit.step_once.nbc").write_bytes(b"index")
     assert doctor.compile_cache()[0] == "good"
-    monkeypatch.setattr(doctor, "cache_directory", lambda: tmp_path / "hydrotwin-0" / "0123")
+    monkeypatch.setattr(doctor, "is_lasting", lambda folder: False)
     state, _, advice = doctor.compile_cache()
     assert state == "fair"
     assert "XDG_CACHE_HOME" in advice

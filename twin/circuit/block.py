@@ -37,7 +37,7 @@ from twin.circuit.step import (
     step_once,
 )
 from twin.cylinder import chamber_cavities
-from twin.kernel import inlined, kernel
+from twin.kernel import INTERPRETED, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
 from twin.load import carried_mass
 from twin.topology import LINES, OBSERVED
@@ -77,8 +77,9 @@ def _plain(value: tuple[Any, ...]) -> tuple[Any, ...]:
 @cache
 def _dtype(kind: type) -> np.dtype[Any]:
     """One object for each class: numba compares others field by field at every call."""
-    fields = get_type_hints(kind).items()
-    return np.dtype([(name, "f8" if entry is float else _dtype(entry)) for name, entry in fields])
+    hints = get_type_hints(kind).items()
+    fields = np.dtype([(name, "f8" if entry is float else _dtype(entry)) for name, entry in hints])
+    return np.dtype((np.record, fields)) if INTERPRETED else fields  # Python reads no names of a plain record
 
 
 def compiled(circuit: Circuit) -> Compiled:

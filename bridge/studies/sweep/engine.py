@@ -18,7 +18,7 @@ from bridge.studies.sweep.journal import (
     Result,
     key_of,
 )
-from twin.kernel import cache_directory
+from twin.cache_folder import fingerprint
 
 SAID_EVERY = 10.0  # [s], where nobody watches
 
@@ -60,7 +60,7 @@ def sweep(
 def _identity(task: Task, about: Mapping[str, Any]) -> dict[str, Any]:
     """What a journal must agree on: the task, what it is about, and the sources of the twin."""
     named = getattr(task, "func", task)
-    own = {"task": f"{named.__module__}.{named.__qualname__}", "twin": cache_directory().name}
+    own = {"task": f"{named.__module__}.{named.__qualname__}", "twin": fingerprint()}
     return {**own, "hydrotwin": versions().get("hydrotwin", ""), **about}
 
 
