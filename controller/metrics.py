@@ -1,14 +1,15 @@
-"""Control metrics of a recorded run, and the bands they must keep.
+"""Control metrics of a recorded run.
 
 Position may be the true or the measured one: the caller chooses. The reference must be evaluated on the time base of
 the signals; one held over a slower sample period looks like a staircase of steps.
 """
 
-import operator
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+
+from controller.bands import Metrics
 
 Array = npt.NDArray[np.floating]
 
@@ -28,46 +29,12 @@ class Signals(NamedTuple):
     spool: Array  # true spool position, -1..1
 
 
-class Metrics(NamedTuple):
-    rise_time: float  # [s], 10..90 % of the step
-    overshoot: float  # fraction of the step
-    settling_time: float  # [s], from the step until within 2 % of it for good
-    steady_error: float  # [m], reference - position, mean of the last 10 % of the last constant stretch
-    rms_error: float  # [m]
-    max_error: float  # [m], absolute
-    limit_cycle_amplitude: float  # [m], half of peak to peak; 0.0: none
-    limit_cycle_frequency: float  # [Hz]; 0.0: none
-    peak_p1: float  # [Pa]
-    peak_p_lower: float  # [Pa]
-    peak_p_upper: float  # [Pa]
-    min_p_lower: float  # [Pa]
-    min_p_upper: float  # [Pa]
-    valve_travel: float  # sum of |d spool|; 1.0 is the way from the centre to one end
-
-
 class Stretch(NamedTuple):
     """Samples start..stop-1, all of one reference value."""
 
     start: int
     stop: int
     steps: bool  # begins with a jump from another constant value
-
-
-class Band(NamedTuple):
-    metric: str  # field of Metrics
-    relation: str  # "<=" | ">="
-    limit: float  # in the unit of the metric
-
-
-class Verdict(NamedTuple):
-    metric: str
-    value: float
-    relation: str
-    limit: float
-    passed: bool
-
-
-RELATIONS = {"<=": operator.le, ">=": operator.ge}
 
 
 def measure(signals: Signals, threshold: float = LIMIT_CYCLE_THRESHOLD) -> Metrics:
@@ -181,17 +148,3 @@ def _regular_frequency(time: Array, e: Array, hysteresis: float) -> float:
         return 0.0
     up = crossings[side[turned] > 0.0]
     return float((up.size - 1) / (up[-1] - up[0]))
-
-
-def judge(metrics: Metrics, bands: list[Band]) -> list[Verdict]:
-    """One verdict per band; NaN never passes. Raises ValueError for an unknown metric or relation."""
-    return [_verdict(metrics, band) for band in bands]
-
-
-def _verdict(metrics: Metrics, band: Band) -> Verdict:
-    if band.metric not in Metrics._fields:
-        raise ValueError(f"no metric {band.metric!r}; there are {', '.join(Metrics._fields)}")
-    if band.relation not in RELATIONS:
-        raise ValueError(f"relation {band.relation!r} of {band.metric} is none of {', '.join(RELATIONS)}")
-    value = getattr(metrics, band.metric)
-    return Verdict(band.metric, value, band.relation, band.limit, RELATIONS[band.relation](value, band.limit))

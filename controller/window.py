@@ -1,4 +1,4 @@
-"""Statistics of a signal within a part of a run, and the bands they must keep.
+"""Statistics of a signal within a part of a run, judged by the band they must keep.
 
 A window is bounded by moments of the run and offsets from them, so that one band holds for runs that are slower.
 """
@@ -9,29 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from controller.metrics import RELATIONS
+from controller.bands import RELATIONS, STATISTICS, WindowBand
 
 Array = npt.NDArray[np.floating]
-STATISTICS: dict[str, Callable[[Array], Any]] = {"mean": np.mean, "least": np.min, "greatest": np.max}
-START, END = "start", "end"  # moments that every run has
-
-
-class Moment(NamedTuple):
-    """A moment of the run and an offset from it."""
-
-    name: str
-    offset: float  # [s]
-
-
-class WindowBand(NamedTuple):
-    """What a signal must keep to between two moments."""
-
-    statistic: str  # of STATISTICS
-    signal: str
-    begin: Moment
-    end: Moment
-    relation: str  # "<=" | ">="
-    limit: float  # in the unit of the signal
+COMPUTED: dict[str, Callable[[Array], Any]] = dict(zip(STATISTICS, (np.mean, np.min, np.max), strict=True))
 
 
 class WindowVerdict(NamedTuple):
@@ -45,5 +26,5 @@ def judge_window(band: WindowBand, time: Array, signal: Array, moments: Mapping[
     """The verdict on one band. time: [s]; moments: [s], NaN for one that never came, which no band passes."""
     begin, end = (moments[moment.name] + moment.offset for moment in (band.begin, band.end))
     inside = signal[(time >= begin - 1e-9) & (time <= end + 1e-9)]
-    value = float(STATISTICS[band.statistic](inside)) if inside.size else float("nan")
+    value = float(COMPUTED[band.statistic](inside)) if inside.size else float("nan")
     return WindowVerdict(value, bool(RELATIONS[band.relation](value, band.limit)))

@@ -88,8 +88,11 @@ def check(
     from bridge.cli.printing import print_checks
     from bridge.runs.check import check_scenario, junit_xml
     from bridge.scenario import load
+    from bridge.scenario.circuit import circuit_of
 
     loaded = [load(name, changes) for name in scenarios]
+    for scenario in loaded:
+        circuit_of(scenario)  # all are good, or none is run
     results = []
     for scenario in loaded:
         results.append(check_scenario(scenario, mode.value, output))

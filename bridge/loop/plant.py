@@ -11,12 +11,12 @@ import numpy as np
 from bridge.loop.line_profiles import LineProfiles
 from bridge.loop.safety import Gate, Refusal, Watchdog
 from bridge.scenario import Scenario
+from bridge.scenario.circuit import circuit_of
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
 from bridge.wire.messages import TOPICS, Outgoing
 from controller.grid import NS, last_due, to_ns
 from controller.hold import Hold
 from twin.circuit.block import compiled, run_block
-from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten
 from twin.sensors import NOISE_ROWS, Card, acquire, noise_block
@@ -43,7 +43,7 @@ class PlantSide:
         self.worst_lateness = 0
         self.published: dict[str, int] = {}
         self._viewer_ticks = max(1, round(loop.viewer_period * NS / self.grid.daq))
-        circuit = build(scenario.rig_values(), loop.step)
+        circuit = circuit_of(scenario)
         self._circuit = compiled(circuit)
         self._state = flatten(equilibrium(circuit, scenario.start.position, scenario.start.p_upper))
         self._taps = np.zeros((2, 5))

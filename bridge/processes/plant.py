@@ -13,6 +13,7 @@ from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
 from bridge.machine.process import Stop, prepare
 from bridge.scenario import Scenario
+from bridge.scenario.circuit import circuit_of
 from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, ready
 from bridge.wire.link import Link
@@ -223,6 +224,7 @@ class PlantProcess:
 def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> dict[str, Any]:
     """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
     stop = Stop()
+    circuit_of(scenario)  # refused before anybody is told of it
     prepare(options.fifo)
     with Bus(link, scenario.rig_name, "plant", blocking=options.mode == "lockstep") as bus:
         process = PlantProcess(bus, scenario, options, stop)

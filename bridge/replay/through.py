@@ -15,6 +15,7 @@ from bridge.replay.into_controller import FedController, heard, only, owner, thr
 from bridge.replay.into_plant import through_plant
 from bridge.replay.residual import Residuals, Verdict, events_apart
 from bridge.scenario import Scenario, changed
+from bridge.scenario.circuit import circuit_of
 from bridge.wire.bus import Bus
 from bridge.wire.codec import encode
 from bridge.wire.link import Link, free_endpoint
@@ -42,6 +43,8 @@ def replay_through(path: Path, request: Through) -> Verdict:
     scenario = _scenario(recording, request.changes)
     if request.into == "controller":
         recording = only(recording, owner(recording))
+    else:
+        circuit_of(scenario)  # refused before a file is begun
     run = recording.metadata["run"]
     writer = RecordingWriter(request.output, scenario.rig_name)
     replayed = {"file": path.name, "into": request.into, "changes": list(request.changes)}

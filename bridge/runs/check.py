@@ -8,10 +8,10 @@ from bridge.recording.reader import read
 from bridge.runs.run import Outcome, RunRequest, run_scenario
 from bridge.scenario import Scenario
 from bridge.scenario.bands import parse_band, signal_with_unit, value_with_unit
+from bridge.scenario.circuit import circuit_of
+from controller.bands import END, START, Band, Metrics, WindowBand, judge
 from controller.grid import NS
-from controller.metrics import Band, Metrics, judge
-from controller.window import END, START, WindowBand, judge_window
-from twin.circuit.build import build
+from controller.window import judge_window
 from twin.circuit.reading import BALANCES, moments
 
 
@@ -91,7 +91,7 @@ class Look:
     """The true signals of a recorded run, its balances and its moments."""
 
     def __init__(self, recording: Path, scenario: Scenario) -> None:
-        circuit = build(scenario.rig_values(), scenario.loop.step)
+        circuit = circuit_of(scenario)
         columns = read(recording, ("state",)).columns("state")
         self.time = columns["stamp"] / NS
         self.signals = columns | {n: balance(self.time, columns, circuit) for n, balance in BALANCES.items()}

@@ -37,8 +37,9 @@ class Outcome(NamedTuple):
 
 def run_scenario(scenario: Scenario, request: RunRequest) -> Outcome:
     """Run, summarise, draw. A failed run has faults, and its recording as far as it goes."""
+    coarse = warnings(scenario)  # refuses numbers that make no circuit before anything is started
     recording, faults, notes = _run(scenario, request)
-    notes = [*warnings(scenario), *notes]
+    notes = [*coarse, *notes]
     if recording is None:
         return Outcome(scenario, {"scenario": scenario.name, "faults": faults, "notes": notes}, faults, None, None)
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 from bridge.errors import nearest
 from bridge.scenario.units import quantity
-from controller.metrics import Band, Metrics
-from controller.window import END, START, STATISTICS, Moment, WindowBand
+from controller.bands import END, START, STATISTICS, Band, Metrics, Moment, WindowBand
 from twin.topology import BALANCE_UNITS, OBSERVED
 
 

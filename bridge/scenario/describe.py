@@ -3,9 +3,9 @@
 import math
 from typing import Any, NamedTuple
 
-from bridge.scenario import Scenario
+from bridge.scenario.circuit import circuit_of
+from bridge.scenario.model import Scenario
 from bridge.scenario.units import UNITS
-from twin.circuit.build import build
 from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.step import Circuit
@@ -77,7 +77,7 @@ def _with_unit(value: float, unit: str, name: str) -> str:
 
 def facts(scenario: Scenario) -> list[Fact]:
     """What the circuit's own equations say of it: each from the place where the step takes it."""
-    circuit = build(scenario.rig_values(), scenario.loop.step)
+    circuit = circuit_of(scenario)
     oil = circuit.parts.oil
     found = [Fact("oil: viscosity, bulk modulus", f"{oil.viscosity * 1e6:.4g} mm^2/s, {oil.bulk_modulus:.4g} Pa")]
     found += _supply_facts(circuit)
@@ -127,7 +127,7 @@ def _hertz(stage: Any) -> float:
 
 def step_rows(scenario: Scenario) -> list[tuple[str, str, str, str]]:
     """Part, what, its time, the longest step that follows it; marked where the scenario's step is longer."""
-    circuit = build(scenario.rig_values(), scenario.loop.step)
+    circuit = circuit_of(scenario)
     coarse = too_coarse(circuit)
     marks = [(limit, " TOO COARSE" if limit in coarse else "") for limit in limits(circuit)]
     return [(e.part, e.what, f"{e.time * 1e3:.3g} ms", f"{e.step * 1e6:.4g} us{mark}") for e, mark in marks]
@@ -135,7 +135,7 @@ def step_rows(scenario: Scenario) -> list[tuple[str, str, str, str]]:
 
 def warnings(scenario: Scenario) -> list[str]:
     """A sentence for each part that the scenario's step is too coarse for."""
-    circuit = build(scenario.rig_values(), scenario.loop.step)
+    circuit = circuit_of(scenario)
     step = scenario.loop.step
     return [
         f"loop.step {step * 1e6:g} us is too coarse for {limit.part} ({limit.what}, {limit.time * 1e3:.3g} ms): "

@@ -20,7 +20,6 @@ from bridge.scenario.fields import (
 from bridge.scenario.references import Reference
 from controller.grid import NS, Sampling, sampling
 from controller.law import LAWS
-from twin.circuit.build import build
 from twin.rig import RIG, Choice, Entry, values
 
 
@@ -150,7 +149,6 @@ class Scenario(Part):
         ticks = self.duration * NS / grid.daq
         if abs(ticks - round(ticks)) > 1e-6 or ticks < 1:
             raise ValueError(f"duration {self.duration} s is no whole number of DAQ periods of {grid.daq / NS} s")
-        build(self.rig_values(), self.loop.step)
         if not 0.0 <= self.start.position <= self.rig.cylinder.stroke:
             raise ValueError(
                 f"start.position {self.start.position} m lies outside the stroke, 0 to {self.rig.cylinder.stroke} m"

@@ -10,8 +10,6 @@ import socket
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import zenoh
-
 from bridge.errors import RunError
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
@@ -38,6 +36,8 @@ def open_session(link: Link, mode: str | None = None, lease: float | None = None
 
     Raises LinkError when the address is taken, nobody answers, or the configuration is wrong.
     """
+    import zenoh
+
     config = _configuration(link, mode)
     if lease is not None:
         config.insert_json5("transport/link/tx/lease", str(round(lease * 1000)))
@@ -49,6 +49,8 @@ def open_session(link: Link, mode: str | None = None, lease: float | None = None
 
 def names_addresses(file: Path) -> bool:
     """Does a configuration file say itself where to listen?"""
+    import zenoh
+
     return _base(file).get_json("listen/endpoints") != zenoh.Config().get_json("listen/endpoints")
 
 
@@ -76,6 +78,8 @@ def _configuration(link: Link, mode: str | None) -> Any:
 
 def _base(file: Path | None) -> Any:
     """What all our sessions share, on top of a configuration file if there is one."""
+    import zenoh
+
     try:
         config = zenoh.Config.from_file(str(file)) if file else zenoh.Config()
     except zenoh.ZError as error:

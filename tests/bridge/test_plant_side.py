@@ -9,10 +9,10 @@ import pytest
 
 from bridge.loop.plant import PlantSide
 from bridge.scenario import load
+from bridge.scenario.circuit import circuit_of
 from bridge.wire.codec import ValveCommand, encode
 from controller.grid import NS
 from twin.circuit.block import compiled, observed, run_block
-from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten, unflatten
 from twin.topology import OBSERVED
@@ -48,7 +48,7 @@ def test_a_command_acts_at_its_own_instant_inside_a_block():
     assert side.take(command(0, 0, 350_000, 0.8))
     side.tick()
     scenario = side.scenario
-    circuit = build(scenario.rig_values(), scenario.loop.step)
+    circuit = circuit_of(scenario)
     state, taps, seen = (
         flatten(equilibrium(circuit, scenario.start.position)),
         np.zeros((2, 5)),
@@ -65,7 +65,7 @@ def test_the_true_state_is_what_was_observed_at_the_end_of_the_block():
     side = plant()
     assert side.take(command(0, 0, 0, 0.8))
     state = next(m.message for m in side.tick() if m.topic == "state")
-    seen = observed(unflatten(side._state), build(side.scenario.rig_values(), side.scenario.loop.step))
+    seen = observed(unflatten(side._state), circuit_of(side.scenario))
     assert {name: getattr(state, name) for name in OBSERVED} == seen
     assert (state.stamp, state.reference) == (MS, 0.8)
 

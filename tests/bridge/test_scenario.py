@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from bridge.errors import nearest
 from bridge.scenario import Scenario, ScenarioError, check, load, names
 from bridge.scenario.bands import METRICS, parse_band
+from bridge.scenario.circuit import circuit_of
 from bridge.scenario.units import UNITS, quantity
-from controller.metrics import Band
+from controller.bands import Band
 from controller.reference import evaluate
 from twin.rig import RIG, Choice, values
 
@@ -43,14 +44,10 @@ def test_the_built_in_scenarios_are_there_and_load():
         ("expect=['overshoot <= 5 bar']", "unit 'bar' does not fit here"),
         ("expect=['limit cycle: maybe']", "'none' or 'present'"),
         ("start.position='3 m'", "lies outside the stroke"),
-        ("rig.load.mass=1", "too light for the seal's friction"),
-        ("rig.pipe_1.length='1 mm'", "pipe_1, 0.001 m: travel time"),
-        ("rig.pipe_3.length='0.1 m'", "take a smaller loop.step, a longer pipe or model lumped"),
         ("rig.valve.kind=switchin", "rig.valve.kind: 'switchin' is unknown; did you mean 'switching'"),
         ("rig.pipe_2.model=wavy", "(valid: ends, nodes, lumped)"),
         ("rig.pump.ripple=true", "rig.pump.ripple"),
         ("rig.oil.temperature=95", "must be at most 80"),
-        ("rig.cylinder.rod='60 mm'", "must be thinner than cylinder.bore"),
         ("controller.gain.x=1", "controller.gain"),
         ("controller.gain=nan", "not a finite gain"),
         ("controller.gain=true", "is not a gain"),
@@ -64,6 +61,26 @@ def test_a_mistake_gets_one_line_that_names_it(change, said):
         load("step", [change])
     lines = str(error.value).splitlines()
     assert len(lines) == 1
+    assert said in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (["rig.load.mass=1"], "too light for the seal's friction"),
+        (["rig.seal.limit=0", "rig.load.mass='5 g'"], "swings too fast on the oil"),
+        (["rig.pipe_1.length='1 mm'"], "pipe_1, 0.001 m: travel time"),
+        (["rig.pipe_3.length='0.1 m'"], "take a smaller loop.step, a longer pipe or model lumped"),
+        (["rig.cylinder.rod='60 mm'"], "must be thinner than cylinder.bore"),
+    ],
+)
+def test_numbers_that_make_no_circuit_are_refused_where_one_is_needed(changes, said):
+    scenario = load("step", changes)
+    with pytest.raises(ScenarioError) as error:
+        circuit_of(scenario)
+    lines = str(error.value).splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith("step: ")
     assert said in lines[0]
 
 
@@ -88,7 +105,9 @@ def test_every_word_of_a_choice_can_be_set_and_no_other(part, name):
     entry = RIG[part][name]
     assert isinstance(entry, Choice)
     for word in entry.options:
-        assert load("step", [f"rig.{part}.{name}={word}"]).rig_values()[part][name] == word
+        scenario = load("step", [f"rig.{part}.{name}={word}"])
+        assert scenario.rig_values()[part][name] == word
+        assert circuit_of(scenario).parts.step == scenario.loop.step
     with pytest.raises(ScenarioError) as error:
         load("step", [f"rig.{part}.{name}=nonsense"])
     assert f"rig.{part}.{name}: 'nonsense' is unknown" in str(error.value)
@@ -146,12 +165,6 @@ def test_bands_take_units():
     assert parse_band("overshoot <= 5 %").limit == pytest.approx(0.05)
     assert parse_band("peak p_lower <= 80 bar").limit == 80e5
     assert parse_band("limit cycle: none").limit == 0.0
-
-
-def test_a_load_too_light_for_the_step_is_refused():
-    """Frictionless and light, the piston swings on the oil faster than the step can follow."""
-    with pytest.raises(ScenarioError, match="swings too fast on the oil"):
-        load("step", ["rig.seal.limit=0", "rig.load.mass='5 g'"])
 
 
 def test_a_suggestion_is_like_what_was_written():

@@ -9,9 +9,9 @@ import pytest
 
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
+from bridge.scenario.circuit import circuit_of
 from controller.grid import NS
 from tests.support.plant import BAR, Array
-from twin.circuit.build import build
 from twin.circuit.reading import force_balance, speed_balance
 from twin.circuit.step import Circuit
 
@@ -57,7 +57,7 @@ def ran(tmp_path: Path):
         assert min(seen[name].min() for name in seen if name.startswith("p_") or name == "p1") >= -BAR
         crossed = seen["oil_pumped"] - seen["oil_relieved"] - seen["oil_returned"]
         assert seen["oil_stored"] - seen["oil_stored"][0] == pytest.approx(crossed, abs=1e-12 * seen["oil_stored"][0])
-        return Ran(seen["stamp"] / NS, seen, build(scenario.rig_values(), scenario.loop.step))
+        return Ran(seen["stamp"] / NS, seen, circuit_of(scenario))
 
     return at
 

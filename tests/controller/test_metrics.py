@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from controller.metrics import Array, Band, Metrics, Signals, constant_stretches, judge, measure
+from controller.bands import Band, Metrics, judge
+from controller.metrics import Array, Signals, constant_stretches, measure
 
 DT = 1e-3
 TIME = np.arange(12_000) / 1000.0

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from bridge.scenario.bands import parse_band
-from controller.window import Moment, WindowBand, judge_window
+from controller.bands import Moment, WindowBand
+from controller.window import judge_window
 
 TIME = np.arange(1001) * 1e-3
 RAMP = TIME * 10.0

@@ -16,7 +16,7 @@ from bridge.drawing.canvas import Columns
 from bridge.loop.exchange import exchange, sides
 from bridge.recording.columns import vapour
 from bridge.scenario import Scenario, load
-from twin.circuit.build import build
+from bridge.scenario.circuit import circuit_of
 from twin.circuit.reading import moments
 from twin.topology import OBSERVED
 
@@ -100,7 +100,7 @@ def impingement() -> Transient:
 def _transient(name: str, begin: float, end: float, event: str, letters: tuple[str, ...]) -> Transient:
     scenario = load(name, [f"duration={end}", f"loop.daq_period={FINE}", "expect=[]"])
     course = run(scenario)
-    circuit = build(scenario.rig_values(), scenario.loop.step)
+    circuit = circuit_of(scenario)
     happened = moments(course.time, {"position": course.position}, circuit)[event]
     travel = np.diff(course.spool)
     bounds = begin, _first(course.time, travel > 0.0), happened, _first(course.time, travel < 0.0), end

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bridge.scenario import Scenario
+from bridge.scenario.circuit import circuit_of
 from controller.stability import Plant, movable
-from twin.circuit.build import build
 from twin.circuit.linear import (
     STATES,
     edge_point,
@@ -44,7 +44,7 @@ class RigPlant(NamedTuple):
 
 def plants(scenario: Scenario) -> dict[str, RigPlant]:
     """The linear plants of a scenario's rig at its start, by their point. ValueError where the oil cannot follow."""
-    circuit = build(scenario.rig_values(), scenario.loop.step)
+    circuit = circuit_of(scenario)
     found = {}
     resting = rest_point(circuit, scenario.start.position)
     if resting is not None:
@@ -92,7 +92,7 @@ def _plant(name: str, point: State, edge: str | None, opening: float, scenario: 
 
 def at_rest(scenario: Scenario) -> Scenario:
     """The scenario, started with the upper chamber's pressure of its rest; without a leak midway from up to down."""
-    circuit = build(scenario.rig_values(), scenario.loop.step)
+    circuit = circuit_of(scenario)
     resting = rest_point(circuit, scenario.start.position)
     points = [resting] if resting else [edge_point(circuit, scenario.start.position, edge) for edge in ("+", "-")]
     upper = float(np.mean([point.ends.pressure[UPPER] for point in points]))

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from bridge.loop.controller import ControllerSide
 from bridge.loop.plant import SAFE, card_of
 from bridge.scenario import Scenario
+from bridge.scenario.circuit import circuit_of
 from controller.grid import NS, Sampling, is_sample
 from controller.hold import Hold
 from controller.law import Sample
 from twin.circuit.block import Compiled, compiled, run_block
-from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten
 from twin.sensors import NOISE_ROWS, acquire, noise_block
@@ -46,7 +46,7 @@ class Trace(NamedTuple):
 
 def stand(scenario: Scenario) -> Stand:
     """The scenario's rig at its start. Raises ValueError where it has none."""
-    circuit = build(scenario.rig_values(), scenario.loop.step)
+    circuit = circuit_of(scenario)
     rest = equilibrium(circuit, scenario.start.position, scenario.start.p_upper)
     return Stand(compiled(circuit), flatten(rest))
 

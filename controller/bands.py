@@ -1,0 +1,74 @@
+"""What a run can be asked to keep: bands of its control metrics, and of statistics of a signal within a part of it.
+
+Plain words and numbers without numpy, for whoever reads, lists or refuses them.
+"""
+
+import operator
+from typing import NamedTuple
+
+RELATIONS = {"<=": operator.le, ">=": operator.ge}
+STATISTICS = ("mean", "least", "greatest")
+START, END = "start", "end"  # moments that every run has
+
+
+class Metrics(NamedTuple):
+    rise_time: float  # [s], 10..90 % of the step
+    overshoot: float  # fraction of the step
+    settling_time: float  # [s], from the step until within 2 % of it for good
+    steady_error: float  # [m], reference - position, mean of the last 10 % of the last constant stretch
+    rms_error: float  # [m]
+    max_error: float  # [m], absolute
+    limit_cycle_amplitude: float  # [m], half of peak to peak; 0.0: none
+    limit_cycle_frequency: float  # [Hz]; 0.0: none
+    peak_p1: float  # [Pa]
+    peak_p_lower: float  # [Pa]
+    peak_p_upper: float  # [Pa]
+    min_p_lower: float  # [Pa]
+    min_p_upper: float  # [Pa]
+    valve_travel: float  # sum of |d spool|; 1.0 is the way from the centre to one end
+
+
+class Band(NamedTuple):
+    metric: str  # field of Metrics
+    relation: str  # "<=" | ">="
+    limit: float  # in the unit of the metric
+
+
+class Verdict(NamedTuple):
+    metric: str
+    value: float
+    relation: str
+    limit: float
+    passed: bool
+
+
+class Moment(NamedTuple):
+    """A moment of the run and an offset from it."""
+
+    name: str
+    offset: float  # [s]
+
+
+class WindowBand(NamedTuple):
+    """What a signal must keep to between two moments."""
+
+    statistic: str  # of STATISTICS
+    signal: str
+    begin: Moment
+    end: Moment
+    relation: str  # "<=" | ">="
+    limit: float  # in the unit of the signal
+
+
+def judge(metrics: Metrics, bands: list[Band]) -> list[Verdict]:
+    """One verdict per band; NaN never passes. Raises ValueError for an unknown metric or relation."""
+    return [_verdict(metrics, band) for band in bands]
+
+
+def _verdict(metrics: Metrics, band: Band) -> Verdict:
+    if band.metric not in Metrics._fields:
+        raise ValueError(f"no metric {band.metric!r}; there are {', '.join(Metrics._fields)}")
+    if band.relation not in RELATIONS:
+        raise ValueError(f"relation {band.relation!r} of {band.metric} is none of {', '.join(RELATIONS)}")
+    value = getattr(metrics, band.metric)
+    return Verdict(band.metric, value, band.relation, band.limit, RELATIONS[band.relation](value, band.limit))
