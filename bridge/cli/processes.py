@@ -75,7 +75,9 @@ def plant(
 def controller(
     scenario: SCENARIO = "step",
     changes: CHANGES = None,
-    law: Annotated[str | None, typer.Option(help="Your own law as module:function, or pd, relay, open-loop.")] = None,
+    law: Annotated[
+        str | None, typer.Option(help="Your own law as module:function or FILE.py:function; or pd, relay, open-loop.")
+    ] = None,
     mode: MODE = ProcessMode.realtime,
     connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,
@@ -88,8 +90,8 @@ def controller(
 ) -> None:
     """Answer measurements with valve commands until the plant ends.
 
-    With --law module:function the law is yours: a function of (sample, target, memory, gains) that returns
-    (spool, memory); memory is None at the first sample.
+    With --law module:function or FILE.py:function the law is yours: a function of (sample, target, memory, gains)
+    that returns (spool, memory); memory is None at the first sample.
     """
     supervised_by_parent(supervised)
     from bridge.loop.identity import fresh

@@ -1,17 +1,15 @@
 """The controller as its partners see it: measurements in, commands out. No clock, no network."""
 
-import importlib
 import math
-import sys
-from pathlib import Path
 from typing import Any
 
-from bridge.scenario import Scenario, ScenarioError
+from bridge.loop.law import find_law
+from bridge.scenario import Scenario
 from bridge.scenario.gains import gains
 from bridge.wire.codec import Reference, ValveCommand
 from bridge.wire.messages import Outgoing
 from controller.grid import NS, is_sample
-from controller.law import LAWS, Law, Sample
+from controller.law import Sample
 from controller.reference import Target, evaluate
 
 
@@ -47,19 +45,3 @@ class ControllerSide:
         target = evaluate(self.reference, sample.stamp_ns / NS)
         spool, self._memory = self.law(sample, target, self._memory, self.gains)
         return float(spool), target
-
-
-def find_law(name: str) -> Law:
-    """A law by its name, or a user's by "module:function", looked for in the working folder too.
-
-    Raises ScenarioError when there is none.
-    """
-    if name in LAWS:
-        return LAWS[name]
-    module, _, function = name.partition(":")
-    if (here := str(Path.cwd())) not in sys.path:
-        sys.path.insert(0, here)
-    try:
-        return getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ScenarioError(f"controller.law: cannot load {name!r}: {error}") from None

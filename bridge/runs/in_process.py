@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from bridge.errors import RunError
 from bridge.loop.exchange import exchange, sides
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry, Recording, recording
@@ -25,9 +26,13 @@ def record_in_process(
     head = manifest(scenario, plant.run_id)
     writer.metadata("run", head)
     entries: list[Entry] = []
-    for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
-        entries += _write(writer, messages)
-        progress(tick)
+    try:
+        for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
+            entries += _write(writer, messages)
+            progress(tick)
+    except RunError:
+        writer.close()
+        raise
     summary = summarise(recording(path, entries, {}), scenario, {})
     writer.metadata("summary", summary)
     writer.close()

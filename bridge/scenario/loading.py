@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from bridge.errors import ScenarioError, nearest
 from bridge.scenario import references
+from bridge.scenario.law_file import with_place
 from bridge.scenario.model import Scenario
 
 
@@ -45,7 +46,7 @@ def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
         data = json.loads(text) if which.endswith(".json") else tomllib.loads(text)
     except ValueError as error:
         raise ScenarioError(f"{which}: cannot be read: {error}") from None
-    data = _with_tables(data, folder)
+    data = with_place(_with_tables(data, folder), folder)
     base = data.pop("extends", None)
     if base is None:
         return data

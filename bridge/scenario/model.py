@@ -50,16 +50,17 @@ class Loop(Part):
 
 
 def _known_law(name: str) -> str:
-    if name in LAWS or ":" in name:
+    module, _, function = name.rpartition(":")
+    if name in LAWS or (module and function.isidentifier()):
         return name
-    raise ValueError(f"law {name!r} is unknown{nearest(name, LAWS, 'module:function')}")
+    raise ValueError(f"law {name!r} is unknown{nearest(name, LAWS, 'module:function or FILE.py:function')}")
 
 
 class Controller(Part):
     """The control law and its gains."""
 
     law: Annotated[str, AfterValidator(_known_law)] = Field(
-        default="pd", description="pd, relay, open-loop, module:function"
+        default="pd", description="pd, relay, open-loop; your own: module:function or FILE.py:function"
     )
     gain: ProportionalGain = Field(default="1.0 V/%", description="proportional, on the position error")
     derivative: DerivativeGain = Field(default="0.0 V s/%", description="on the piston's velocity")

@@ -1,0 +1,116 @@
+"""The control law of a run: one of ours by its name, or a user's function, loaded from its file.
+
+The folder of a user's file comes last in the search for modules: a law may import its neighbours, and none of them can
+take the place of a package that is installed.
+"""
+
+import importlib
+import importlib.util
+import re
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from bridge.errors import RunError, ScenarioError
+from bridge.scenario.law_file import law_file
+from controller.law import LAWS, Gains, Law, Sample
+from controller.reference import Target
+
+OURS = ("bridge", "controller", "twin")  # no laws themselves
+FAILURES = (Exception, SystemExit)  # scripts end the interpreter, which a law must not
+
+
+def find_law(name: str) -> Law:
+    """A law by its name, or a user's by "module:function" or "file.py:function", in the working folder or installed.
+
+    Raises ScenarioError when there is none.
+    """
+    if name in LAWS:
+        return LAWS[name]
+    module, _, function = name.rpartition(":")
+    file = law_file(name, Path.cwd())
+    if file is None and (module.endswith(".py") or module in OURS):
+        raise ScenarioError(f"controller.law {name!r}: there is no such file beside the scenario or in {Path.cwd()}")
+    try:
+        loaded = importlib.import_module(module) if file is None else _from_file(file.resolve())
+    except FAILURES as error:
+        raise ScenarioError(f"controller.law {name!r}: {explained(error, file)}") from None
+    law = getattr(loaded, function, None)
+    if not callable(law):
+        raise ScenarioError(f"controller.law {name!r}: {loaded.__file__} has no function {function!r}")
+    return _checked(law, name, Path(loaded.__file__ or ""))
+
+
+def explained(error: BaseException, file: Path | None) -> str:
+    """What went wrong in a user's code, in one line with its place there."""
+    words = " ".join(str(error).split())
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{_short(error.filename)}, line {error.lineno}: {error.msg}"
+    frames = traceback.extract_tb(error.__traceback__)
+    theirs = [frame for frame in frames if file and _belongs(Path(frame.filename), file)]
+    place = f"{_short(theirs[-1].filename)}, line {theirs[-1].lineno}: " if theirs else ""
+    return f"{place}{type(error).__name__}: {words}"
+
+
+def _belongs(code: Path, file: Path) -> bool:
+    """Is code of the law's own folder?"""
+    folder = file.resolve().parent
+    return folder in code.parents and "site-packages" not in code.relative_to(folder).parts
+
+
+def _short(filename: str) -> str:
+    path = Path(filename)
+    return str(path.relative_to(Path.cwd()) if Path.cwd() in path.parents else path)
+
+
+def _from_file(file: Path) -> ModuleType:
+    """The module in a file; one that belongs to a package as a part of it."""
+    root, names = file.parent, [] if file.stem == "__init__" else [file.stem]
+    while (root / "__init__.py").is_file():
+        root, names = root.parent, [root.name, *names]
+    if str(root) not in sys.path:
+        sys.path.append(str(root))
+    return _alone(file) if root == file.parent else _of_package(file, ".".join(names))
+
+
+def _of_package(file: Path, name: str) -> ModuleType:
+    module = importlib.import_module(name)
+    if module.__file__ != str(file):
+        raise ImportError(f"{file} is hidden by {module.__file__}: give its package another name")
+    return module
+
+
+def _alone(file: Path) -> ModuleType:
+    """A file under a name of its own, which is nobody else's."""
+    name = f"law_{re.sub(r'[^A-Za-z0-9]', '_', str(file))}"
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = importlib.util.spec_from_file_location(name, file)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{file} is not Python")
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def _checked(law: Any, name: str, file: Path) -> Law:
+    """A user's law, whose failure is one line. Raises RunError."""
+
+    def answer(sample: Sample, target: Target, memory: Any, gains: Gains) -> tuple[float, Any]:
+        try:
+            answered = law(sample, target, memory, gains)
+        except FAILURES as error:
+            raise RunError(f"controller.law {name!r}: {explained(error, file)}") from None
+        try:
+            spool, memory = answered
+            return float(spool), memory
+        except (TypeError, ValueError):
+            raise RunError(f"controller.law {name!r} returned {answered!r:.80}, expected (spool, memory)") from None
+
+    return answer

@@ -1,0 +1,139 @@
+"""A user's law in a file of its own: found beside its scenario, hidden by nobody, its mistakes named by their line."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from bridge.errors import RunError, ScenarioError
+from bridge.loop.law import find_law
+from bridge.runs.in_process import record_in_process
+from bridge.scenario import load
+from controller.law import Gains, Sample
+from controller.reference import Target
+from tests.support.processes import hydrotwin
+
+ANSWER = "def law(sample, target, memory, gains):\n    return 0.25, memory\n"
+CALL = (Sample(0, 0.1, 0.0, 0.0, 0.0, 0.0), Target(0.1, 0.0), None, Gains(1.0, 0.0, "measured", 0.0, 0.01, 1.0, 0.0))
+
+
+@pytest.fixture
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """An empty working folder; gives a folder beside it. What is imported is forgotten afterwards."""
+    (tmp_path / "work").mkdir()
+    (tmp_path / "mine").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    before = set(sys.modules)
+    yield tmp_path / "mine"
+    for name in set(sys.modules) - before:
+        if str(tmp_path) in str(getattr(sys.modules[name], "__file__", None)):
+            del sys.modules[name]
+
+
+def scenario_with(folder: Path, law: str) -> str:
+    """A scenario file whose law is `law`."""
+    path = folder / "mine.toml"
+    path.write_text(f'extends = "step"\nduration = 0.05\n[controller]\nlaw = "{law}"\n')
+    return str(path)
+
+
+@pytest.mark.parametrize("name", ["controller:law", "controller.py:law", "deep.er:law", "deep/er.py:law", "deep:law"])
+def test_a_law_is_found_beside_its_scenario_from_anywhere(elsewhere: Path, name: str):
+    """Also where its file, or its package, has the name of one of ours."""
+    (elsewhere / "controller.py").write_text(ANSWER)
+    (elsewhere / "deep").mkdir()
+    (elsewhere / "deep" / "__init__.py").write_text("from .er import law\n")
+    (elsewhere / "deep" / "er.py").write_text("from .number import SPOOL\n" + ANSWER.replace("0.25", "SPOOL"))
+    (elsewhere / "deep" / "number.py").write_text("SPOOL = 0.25\n")
+    law = load(scenario_with(elsewhere, name)).controller.law
+    assert find_law(law)(*CALL) == (0.25, None)
+
+
+def test_a_law_in_the_working_folder_keeps_its_short_name(elsewhere: Path):
+    Path("mine.py").write_text(ANSWER)
+    assert load("step", ["controller.law=mine:law"]).controller.law == "mine:law"
+    assert find_law("mine:law")(*CALL) == (0.25, None)
+
+
+def test_a_law_is_found_beside_the_scenario_that_is_extended(elsewhere: Path):
+    (elsewhere / "swing.py").write_text(ANSWER)
+    scenario_with(elsewhere, "swing:law")
+    Path("own.toml").write_text(f'extends = "{elsewhere / "mine.toml"}"\nseed = 4\n')
+    assert find_law(load("own.toml").controller.law)(*CALL) == (0.25, None)
+
+
+def test_an_installed_law_is_found():
+    assert find_law("controller.law:open_loop")(*CALL)[0] == 0.1
+
+
+def test_neighbours_are_imported_and_never_take_our_place(elsewhere: Path):
+    (elsewhere / "mine.py").write_text(
+        "import controller, spool_of_mine as own\n" + ANSWER.replace("0.25", "own.SPOOL")
+    )
+    (elsewhere / "controller.py").write_text("raise RuntimeError('imported by mistake')\n")
+    (elsewhere / "own_spool.py").write_text("SPOOL = 0.5\n")
+    assert find_law(f"{elsewhere}/mine.py:law")(*CALL) == (0.5, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "reason"),
+    [
+        ("\ndef law(sample) return 0.0\n", 2, "expected ':'"),
+        ("import sys\nsys.exit(0)\n", 2, "SystemExit: 0"),
+        ("import json\n\njson.loads('{')\n", 3, "JSONDecodeError: Expecting property name"),
+        ("import no_such_module_of_mine\n", 1, "ModuleNotFoundError"),
+        ("x = 1\n", None, "has no function 'law'"),
+        ("law = 3\n", None, "has no function 'law'"),
+    ],
+)
+def test_a_mistake_in_the_file_is_one_line_with_its_place(elsewhere: Path, text: str, line: int | None, reason: str):
+    Path("wrong.py").write_text(text)
+    with pytest.raises(ScenarioError) as raised:
+        find_law("wrong:law")
+    said = str(raised.value)
+    assert "\n" not in said
+    assert reason in said
+    assert line is None or f"wrong.py, line {line}: " in said
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("return 1.0 / 0.0, None", "wrong.py, line 2: ZeroDivisionError"),
+        ("raise SystemExit(3)", "wrong.py, line 2: SystemExit: 3"),
+        ("return sample.nothing, None", "wrong.py, line 2: AttributeError"),
+        ("return 0.0", "returned 0.0, expected (spool, memory)"),
+        ("return None, None", "returned (None, None), expected (spool, memory)"),
+    ],
+)
+def test_a_failing_call_is_one_line_with_its_place(elsewhere: Path, body: str, said: str):
+    """The recording of the run ends where the law did, and is whole."""
+    Path("wrong.py").write_text(f"def law(sample, target, memory, gains):\n    {body}\n")
+    scenario = load("step", ["controller.law=wrong.py:law", "duration=0.05"])
+    with pytest.raises(RunError) as raised:
+        record_in_process(scenario, elsewhere / "a.mcap")
+    assert said in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize("name", ["controller:law", "twin:law", "nowhere.py:law", "no/where.py:law"])
+def test_a_law_that_is_nowhere_is_said_to_be(elsewhere: Path, name: str):
+    with pytest.raises(ScenarioError, match="no such file"):
+        find_law(name)
+
+
+@pytest.mark.parametrize("name", [":law", "mine:", "mine:1", "pdd"])
+def test_what_names_no_function_is_refused(name: str):
+    with pytest.raises(ScenarioError, match=r"FILE\.py:function"):
+        load("step", [f"controller.law={name}"])
+
+
+@pytest.mark.parametrize("mode", ["inprocess", "lockstep"])
+def test_a_failing_law_ends_a_run_with_its_line(elsewhere: Path, mode: str):
+    (elsewhere / "controller.py").write_text("def law(sample, target, memory, gains):\n    return 1 / 0, memory\n")
+    done = hydrotwin("run", scenario_with(elsewhere, "controller:law"), "--mode", mode, cwd=Path.cwd())
+    assert done.returncode == 1
+    assert "controller.py, line 2: ZeroDivisionError: division by zero" in (done.stdout + done.stderr).replace("\n", "")
+    assert "Traceback" not in done.stdout + done.stderr
