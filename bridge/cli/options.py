@@ -53,7 +53,6 @@ CONFIG = Annotated[
 ]
 MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
 FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")]
-SUPERVISED = Annotated[bool, typer.Option("--supervised", hidden=True)]
 WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one a core]", show_default=False)]
 SCHEDULER = Annotated[
     str | None, typer.Option(help="Address of a Dask scheduler to run on instead.", metavar="ADDRESS")

@@ -14,18 +14,10 @@ from bridge.cli.options import (
     FIFO,
     MODE,
     SCENARIO,
-    SUPERVISED,
     ProcessMode,
 )
 from bridge.scenario.loading import refuse_fast_daq
 from bridge.wire.link import DEFAULT_ENDPOINT
-
-
-def supervised_by_parent(yes: bool) -> None:
-    if yes:
-        from bridge.machine.process import die_with_parent
-
-        die_with_parent()
 
 
 def plant(
@@ -46,14 +38,12 @@ def plant(
     patience: Annotated[float, typer.Option(help="Seconds to wait for partners, and in lockstep for commands.")] = 10.0,
     fifo: FIFO = False,
     as_json: AS_JSON = False,
-    supervised: SUPERVISED = False,
 ) -> None:
     """Simulate the rig: publish measurements, take valve commands.
 
     It holds no control law. In real time it starts at once (or with its --await partners) and keeps the valve
     centred until a controller speaks; in lockstep it waits for each command.
     """
-    supervised_by_parent(supervised)
     from bridge.loop.identity import fresh
     from bridge.processes.plant import PlantOptions, run_plant
     from bridge.scenario import load
@@ -86,14 +76,12 @@ def controller(
     ] = None,
     patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
     fifo: FIFO = False,
-    supervised: SUPERVISED = False,
 ) -> None:
     """Answer measurements with valve commands until the plant ends.
 
     With --law module:function or FILE.py:function the law is yours: a function of (sample, target, memory, gains)
     that returns (spool, memory); memory is None at the first sample.
     """
-    supervised_by_parent(supervised)
     from bridge.loop.identity import fresh
     from bridge.processes.controller import run_controller
     from bridge.scenario import load

@@ -12,11 +12,9 @@ from bridge.cli.options import (
     CONFIG,
     CONNECT,
     MODE,
-    SUPERVISED,
     ProcessMode,
     nanoseconds,
 )
-from bridge.cli.processes import supervised_by_parent
 from bridge.errors import UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
 
@@ -48,13 +46,11 @@ def record(
     zenoh_config: CONFIG = None,
     patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
     as_json: AS_JSON = False,
-    supervised: SUPERVISED = False,
 ) -> None:
     """Record everything on a rig's keys to an MCAP file until the plant ends.
 
     With --ring nothing is written until something happens: an event, or a query to RIG/recorder/save.
     """
-    supervised_by_parent(supervised)
     from bridge.processes.recorder.process import run_recorder
     from bridge.wire.link import Link
 

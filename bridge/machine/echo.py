@@ -8,6 +8,7 @@ from typing import Any
 
 import zenoh
 
+from bridge.machine.children import guarded, python
 from bridge.wire.link import (
     Link,
     LinkError,
@@ -24,8 +25,11 @@ def round_trips(count: int, size: int = 64) -> list[int]:
     """Times [ns] of so many trips, one after another, over loopback. Raises LinkError when messages do not come."""
     endpoint = free_endpoint()
     with open_session(Link(endpoint, None, None, PATIENCE)) as session:
-        command = [sys.executable, "-m", "bridge.machine.echo", endpoint]
-        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as other:
+        command, silent = python("-m", "bridge.machine.echo", endpoint), subprocess.DEVNULL
+        with (
+            guarded() as environment,
+            subprocess.Popen(command, stdin=subprocess.PIPE, stderr=silent, env=environment) as other,
+        ):
             try:
                 return _trips(session, bytes(size), count)
             finally:

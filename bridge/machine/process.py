@@ -5,32 +5,49 @@ import gc
 import os
 import signal
 import sys
+from typing import Any
 
-PR_SET_TIMERSLACK, PR_SET_PDEATHSIG = 29, 1
+PR_SET_TIMERSLACK = 29
 MCL_CURRENT_AND_FUTURE = 3
 FIFO_PRIORITY = 30
 
 
+ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a polite kill, a closed terminal
+
+
 class Stop:
-    """Ctrl-C and SIGTERM as a question: `stop()` is True once one has come. A second Ctrl-C does not ask."""
+    """The signals that end a process as a question: `stop()` is True once one has come. A Ctrl-C after that ends it.
+
+    That begins with `listen`, when there is something to end in order. Before it a signal ends the process at once:
+    nothing can be deaf to it then, no connection that waits and no compiler. `leave` puts things back.
+    """
 
     def __init__(self) -> None:
         self.asked = False
-        signal.signal(signal.SIGINT, self._ask)
-        signal.signal(signal.SIGTERM, self._ask)
+        self._before: dict[signal.Signals, Any] = {}
 
     def __call__(self) -> bool:
         return self.asked
 
-    def _ask(self, number: int, *_: object) -> None:
-        if self.asked and number == signal.SIGINT:
-            raise KeyboardInterrupt
+    def listen(self) -> "Stop":
+        """Take the signals from here on, those excepted that whoever started us has switched off."""
+        if self._before:
+            return self
+        before = {number: signal.getsignal(number) for number in ENDINGS}
+        self._before = {number: handler for number, handler in before.items() if handler is not signal.SIG_IGN}
+        for number in self._before:
+            signal.signal(number, self._ask)
+        return self
+
+    def leave(self) -> None:
+        """Give the signals back."""
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+        self._before = {}
+
+    def _ask(self, *_: object) -> None:
         self.asked = True
-
-
-def die_with_parent() -> None:
-    """Let the system end this process when the one that started it is gone, however it went."""
-    _prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 NOTE = "hydrotwin: note: "  # how a line on standard error begins that is no failure

@@ -2,22 +2,24 @@
 
 import signal
 import subprocess
-import sys
+from collections.abc import Mapping
 from pathlib import Path
 
+from bridge.machine.children import python
 from bridge.machine.process import NOTE
 
 
 class Child:
     """A process of ours, with its words kept."""
 
-    def __init__(self, role: str, arguments: list[str], folder: Path) -> None:
+    def __init__(self, role: str, arguments: list[str], folder: Path, environment: Mapping[str, str]) -> None:
+        """environment: of `guarded`, which ends the process when we are gone."""
         self.role = role
         self.words = folder / f"{role}.log"
+        command = python("-m", "bridge", role, *arguments)
         with self.words.open("wb") as log:
-            command = [sys.executable, "-m", "bridge", role, *arguments, "--supervised"]
             self.process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=environment, start_new_session=True
             )
 
     def ended(self) -> bool:
@@ -30,8 +32,8 @@ class Child:
         if not code:
             return None
         words = self.words.read_text(errors="replace").strip().splitlines()
-        how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-        return f"the {self.role} (pid {self.process.pid}) ended with {how}" + (f": {words[-1]}" if words else "")
+        how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+        return f"the {self.role} (pid {self.process.pid}) {how}" + (f": {words[-1]}" if words else "")
 
     def notes(self) -> list[str]:
         """What it has to say that is no failure."""

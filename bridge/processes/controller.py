@@ -82,8 +82,7 @@ class ControllerProcess:
 
 def run_controller(scenario: Scenario, link: Link, mode: str, source: int, fifo: bool) -> None:
     """Run a controller until its plant ends. Raises RunError, LinkError or UsageError with one line for people."""
-    stop = Stop()
     side = ControllerSide(scenario, source)
     prepare(fifo)
     with Bus(link, scenario.rig_name, "controller", blocking=mode == "lockstep") as bus:
-        ControllerProcess(bus, side, stop).run()
+        ControllerProcess(bus, side, Stop().listen()).run()

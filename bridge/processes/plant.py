@@ -46,11 +46,11 @@ class Command(NamedTuple):
 class PlantProcess:
     """One run of a plant on a bus."""
 
-    def __init__(self, bus: Bus, scenario: Scenario, options: PlantOptions, stop: Stop) -> None:
+    def __init__(self, bus: Bus, scenario: Scenario, options: PlantOptions) -> None:
         self.bus = bus
         self.scenario = scenario
         self.options = options
-        self.stop = stop
+        self.stop = Stop()
         self.side = PlantSide(scenario, options.run_id)
         self.timing: dict[str, float] = {}
         self._commands: queue.SimpleQueue[Command | None] = queue.SimpleQueue()
@@ -223,12 +223,12 @@ class PlantProcess:
 
 def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> dict[str, Any]:
     """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
-    stop = Stop()
     circuit_of(scenario)  # refused before anybody is told of it
     prepare(options.fifo)
     with Bus(link, scenario.rig_name, "plant", blocking=options.mode == "lockstep") as bus:
-        process = PlantProcess(bus, scenario, options, stop)
+        process = PlantProcess(bus, scenario, options)
         try:
+            process.stop.listen()
             ending = process.run()
         except RunError as failure:
             process.close(f"failed: {failure}", partners=("recorder",))

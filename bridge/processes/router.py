@@ -12,9 +12,9 @@ def run_router(listen: str, config_file: Path | None) -> None:
 
     Raises LinkError when the address is taken or the configuration is wrong.
     """
-    stop = Stop()
     own = config_file is not None and names_addresses(config_file)
     with open_session(Link(None if own else listen, None, config_file, 0.0), mode="router"):
+        stop = Stop().listen()
         print(f"hydrotwin: routing on {config_file if own else listen}; Ctrl-C ends it", flush=True)
         while not stop():
             time.sleep(0.1)

@@ -4,12 +4,13 @@ import os
 import signal
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.loop.identity import derived
+from bridge.machine.children import guarded
 from bridge.machine.process import Stop
 from bridge.processes.child import Child
 from bridge.scenario import Scenario
@@ -48,6 +49,7 @@ class Supervisor:
         self.faults: list[str] = []
         self.notes: list[str] = []  # what people should know, without being a failure
         self.children: list[Child] = []
+        self.recorded = False  # has the run left a recording?
         self._heard = time.monotonic()
         self._started = False
         self._noted: list[Child] = []
@@ -56,18 +58,26 @@ class Supervisor:
 
     def run(self) -> list[str]:
         """Run to the end, whatever happens; every process of ours is gone afterwards. Returns what went wrong."""
-        with tempfile.TemporaryDirectory(prefix="hydrotwin-") as folder:
+        before = _state(self.options.recording)
+        with (
+            tempfile.TemporaryDirectory(prefix="hydrotwin-") as folder,
+            guarded(self._patience("record")) as environment,
+        ):
             endpoint = self.options.listen or free_endpoint()
             try:
-                self._start(Path(folder), endpoint)
+                self._start(Path(folder), endpoint, environment)
                 self._watch(endpoint)
             finally:
                 for child in self.children:
                     child.end()
                     self.notes += child.notes()
+        self.recorded = _state(self.options.recording) not in (None, before)
+        if not self.recorded and not self.faults:
+            early = "interrupted before it began" if self.stop() else "its processes ended without a word"
+            self.faults.append(f"the run has left no recording: {early}")
         return self.faults
 
-    def _start(self, folder: Path, endpoint: str) -> None:
+    def _start(self, folder: Path, endpoint: str, environment: Mapping[str, str]) -> None:
         options, file = self.options, folder / "scenario.json"
         file.write_text(self.scenario.model_dump_json())
         common = ["--mode", options.mode]
@@ -77,12 +87,12 @@ class Supervisor:
         plant += ["--await", "recorder", "--await", "controller"]
         fifo = ["--fifo"] if options.fifo else []
         client = [*common, "--connect", endpoint, "--patience", str(STARTUP)]
-        self.children.append(Child("plant", plant + fifo, folder))
+        self.children.append(Child("plant", plant + fifo, folder, environment))
         record = ["--output", str(options.recording), "--rig", self.scenario.rig_name]
-        self.children.append(Child("record", [*record, *client], folder))
+        self.children.append(Child("record", [*record, *client], folder, environment))
         if not options.external:
             source = ["--source", str(derived(seed, "controller"))]
-            self.children.append(Child("controller", [str(file), *client, *source, *fifo], folder))
+            self.children.append(Child("controller", [str(file), *client, *source, *fifo], folder, environment))
         if options.mode == "lockstep":
             self._share_a_processor()
 
@@ -110,7 +120,7 @@ class Supervisor:
             try:
                 bus = Bus(Link(None, endpoint, None, 1.0), self.scenario.rig_name, "supervisor", blocking=False)
             except LinkError:
-                if any(child.fault() for child in self.children):
+                if any(child.ended() for child in self.children):
                     return None
                 continue
             bus.subscribe("status", self._on_status)
@@ -160,12 +170,18 @@ class Supervisor:
     def _too_slow(self, waited: float) -> bool:
         """End those that had their time to finish, and name them; True when nobody is left to wait for."""
         for child in self.children:
-            patience = FAREWELL + (READING * self.scenario.duration if child.role == "record" else 0.0)
+            patience = self._patience(child.role)
             if waited > patience and not child.ended():
-                self.faults.append(f"the {child.role} (pid {child.process.pid}) did not finish: silent")
+                self.faults.append(
+                    f"the {child.role} (pid {child.process.pid}) did not exit within {patience:g} s and was killed"
+                )
                 self._noted.append(child)
                 child.end()
         return False
+
+    def _patience(self, role: str) -> float:
+        """Seconds that a process has to finish; the recorder reads its file then."""
+        return FAREWELL + (READING * self.scenario.duration if role == "record" else 0.0)
 
     def _silent(self, now: float) -> bool:
         patience = SILENCE + self.options.patience if self._started else STARTUP
@@ -175,3 +191,11 @@ class Supervisor:
         what = "has said nothing" if self._started else "has not started"
         self.faults.append(f"the plant (pid {plant.process.pid}) {what} for {patience:g} s")
         return True
+
+
+def _state(file: Path) -> tuple[int, int, int] | None:
+    """What changes when a file is written; None where there is none."""
+    if not file.is_file():
+        return None
+    found = file.stat()
+    return found.st_ino, found.st_size, found.st_mtime_ns

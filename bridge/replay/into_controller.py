@@ -6,11 +6,13 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from bridge.errors import RunError, UsageError
 from bridge.loop.controller import ControllerSide
+from bridge.machine.children import guarded
 from bridge.processes.child import Child
 from bridge.recording.reader import Entry, Recording
 from bridge.scenario import Scenario
@@ -71,23 +73,24 @@ class FedController:
 
     def __init__(self, bus: Bus, endpoint: str, scenario: Scenario, source: int) -> None:
         self._bus = bus
+        self._ending = ExitStack()
         self._answers: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
-        self._folder = tempfile.TemporaryDirectory(prefix="hydrotwin-")
-        file = Path(self._folder.name) / "scenario.json"
+        folder = Path(self._ending.enter_context(tempfile.TemporaryDirectory(prefix="hydrotwin-")))
+        file = folder / "scenario.json"
         file.write_text(scenario.model_dump_json())
         for topic in ("command", "reference"):
             bus.subscribe(topic, lambda sample, topic=topic: self._answers.put((topic, sample.payload.to_bytes())))
         bus.watch()
         bus.announce()
         arguments = [str(file), "--mode", "lockstep", "--connect", endpoint, "--source", str(source)]
-        self._child = Child("controller", arguments, Path(self._folder.name))
+        self._child = Child("controller", arguments, folder, self._ending.enter_context(guarded()))
+        self._ending.callback(self._child.end)
 
     def __enter__(self) -> "FedController":
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._child.end()
-        self._folder.cleanup()
+        self._ending.close()
 
     def answers(self, entries: list[Entry]) -> Iterator[list[Outgoing]]:
         """Publish one measurement after the other, each when the last one is answered. Raises RunError."""

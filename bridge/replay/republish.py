@@ -43,7 +43,6 @@ def replay(path: Path, link: Link, playing: Playing) -> dict[str, Any]:
     entries = selected(recording, playing)
     keys = remapped(_keys(recording, {entry.topic for entry in entries}), playing.remap)
     rig = _rig(recording, playing)
-    stop = Stop()
     prepare(fifo=False)
     with Bus(link, rig, "replay", blocking=True) as bus:
         others = live_publishers(bus, keys) if not playing.force else []
@@ -52,6 +51,7 @@ def replay(path: Path, link: Link, playing: Playing) -> dict[str, Any]:
                 f"{' and '.join(others)} is live on the keys of this replay: stop it, choose other keys with --remap, "
                 "or say --force"
             )
+        stop = Stop().listen()
         sender = Sender(bus.session, recording, entries, keys)
         timeline = Timeline([entry.log_time for entry in entries], 0, playing.speed, playing.loop)
         player = Player(timeline, sender.send)

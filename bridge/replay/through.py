@@ -1,11 +1,13 @@
 """A recording through the twin or a controller: residuals published, recorded and judged."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.errors import UsageError
+from bridge.errors import RunError, UsageError
 from bridge.loop.controller import ControllerSide
+from bridge.machine.process import Stop
 from bridge.recording.compare import compare
 from bridge.recording.reader import Entry, Recording, read
 from bridge.recording.reader import recording as in_memory
@@ -50,15 +52,31 @@ def replay_through(path: Path, request: Through) -> Verdict:
     replayed = {"file": path.name, "into": request.into, "changes": list(request.changes)}
     writer.metadata("run", run | {"scenario": scenario.model_dump(mode="json"), "mode": "replay", "replayed": replayed})
     residuals = Residuals(recording, int(run["run_id"]))
-    entries: list[Entry] = []
-    for messages in _replayed(recording, scenario, request, residuals):
-        entries += _write(writer, messages)
+    entries = _written(writer, _replayed(recording, scenario, request, residuals))
     writer.flush()
     verdict = _judge(recording, in_memory(request.output, entries, {}), request)
     writer.metadata("summary", summarise(read(request.output, NEEDED), scenario, {}))
     writer.metadata("replay", {"passed": verdict.passed, "signals": [d._asdict() for d in verdict.differences]})
     writer.close()
     return verdict
+
+
+def _written(writer: RecordingWriter, replayed: Generator[list[Outgoing], None, None]) -> list[Entry]:
+    """All that comes, also in the file. Raises RunError when it fails or is interrupted; the file is whole then too."""
+    entries: list[Entry] = []
+    stop = Stop()
+    try:
+        with closing(replayed):
+            for messages in replayed:
+                entries += _write(writer, messages)
+                if stop.listen()():
+                    raise RunError(f"interrupted: {writer.path} holds what was replayed so far")
+    except RunError:
+        writer.close()
+        raise
+    finally:
+        stop.leave()
+    return entries
 
 
 def _scenario(recording: Recording, changes: Sequence[str]) -> Scenario:
@@ -69,7 +87,7 @@ def _scenario(recording: Recording, changes: Sequence[str]) -> Scenario:
 
 def _replayed(
     recording: Recording, scenario: Scenario, request: Through, residuals: Residuals
-) -> Iterator[list[Outgoing]]:
+) -> Generator[list[Outgoing], None, None]:
     """The messages of each instant, with their residuals."""
     if request.alone:
         yield from (_with_residuals(out, residuals) for out in _alone(recording, scenario, request.into))

@@ -95,9 +95,8 @@ def _charts(runs: list[Run], names: list[str]) -> str:
 def _stability(runs: list[Run], names: list[str]) -> str:
     points = stability_points(runs)
     drawn = draw_stability(runs, points)
-    return (
-        "" if drawn is None else figure(drawn, "stability", "Gain and stability", CAPTION) + words(runs, names, points)
-    )
+    chart = "" if drawn is None else figure(drawn, "stability", "Gain and stability", CAPTION)
+    return chart + words(runs, names, points)
 
 
 def _maps(runs: list[Run], names: list[str]) -> list[str]:

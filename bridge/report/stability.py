@@ -7,7 +7,7 @@ import numpy as np
 from bridge.drawing.html import text
 from bridge.report.charts import BLUE, GREY, RED, RUNS, canvas
 from bridge.report.subject import Run
-from bridge.studies.stability.operating import edge_curves, operating_point, sentences
+from bridge.studies.stability.operating import edge_curves, left_out, operating_point, sentences
 
 CAPTION = (
     "By linear theory, without friction, about the points where the piston rests and slowly moves: stable below both "
@@ -51,8 +51,9 @@ def draw_stability(runs: list[Run], points: list[dict[str, Any] | None]) -> Any:
 def words(runs: list[Run], names: list[str], points: list[dict[str, Any] | None]) -> str:
     """A paragraph a run."""
     parts = []
-    for name, point in zip(names, points, strict=True):
-        if point is not None:
+    for run, name, point in zip(runs, names, points, strict=True):
+        lines = sentences(point) if point is not None else list(filter(None, [left_out(run.scenario)]))
+        if lines:
             lead = f"<b>{text(name)}</b>: " if len(runs) > 1 else ""
-            parts.append(f"<p>{lead}{text('. '.join(line[0].upper() + line[1:] for line in sentences(point)))}.</p>")
+            parts.append(f"<p>{lead}{text('. '.join(line[0].upper() + line[1:] for line in lines))}.</p>")
     return "".join(parts)

@@ -10,7 +10,7 @@ from bridge.runs.in_process import record_in_process
 from bridge.runs.progress import Progress
 from bridge.scenario import Scenario
 from bridge.scenario.describe import warnings
-from bridge.studies.stability.operating import operating_point
+from bridge.studies.stability.operating import left_out, operating_point
 
 
 class RunRequest(NamedTuple):
@@ -38,25 +38,27 @@ class Outcome(NamedTuple):
 def run_scenario(scenario: Scenario, request: RunRequest) -> Outcome:
     """Run, summarise, draw. A failed run has faults, and its recording as far as it goes."""
     coarse = warnings(scenario)  # refuses numbers that make no circuit before anything is started
-    recording, faults, notes = _run(scenario, request)
-    notes = [*coarse, *notes]
+    stop = Stop()
+    try:
+        recording, faults, notes = _run(scenario, request, stop)
+    finally:
+        stop.leave()
+    notes = [*coarse, *notes, *filter(None, [left_out(scenario)])]
     if recording is None:
         return Outcome(scenario, {"scenario": scenario.name, "faults": faults, "notes": notes}, faults, None, None)
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
     faults = [*faults, *verdict(summary, scenario)]
-    summary |= {"stability": operating_point(scenario, summary["metrics"])}
+    summary |= {"stability": None if stop.asked else operating_point(scenario, summary["metrics"])}
     summary = summary | {"mode": request.mode, "speed": request.speed, "recording": str(request.recording)}
-    return Outcome(
-        scenario, summary | {"faults": faults, "notes": notes}, faults, request.recording, _picture(scenario, recording)
-    )
+    picture = None if stop.asked else _picture(scenario, recording)
+    return Outcome(scenario, summary | {"faults": faults, "notes": notes}, faults, request.recording, picture)
 
 
-def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, list[str], list[str]]:
+def _run(scenario: Scenario, request: RunRequest, stop: Stop) -> tuple[Recording | None, list[str], list[str]]:
     """The recording if there is one, what went wrong, and what else people should know."""
-    stop = Stop()
     with Progress(scenario) as progress:
         if request.mode == "inprocess":
-            return record_in_process(scenario, request.recording, progress.tick, stop), [], []
+            return record_in_process(scenario, request.recording, progress.tick, lambda: stop.listen()()), [], []
         from bridge.processes.supervisor import RunOptions, Supervisor
 
         options = RunOptions(
@@ -68,9 +70,9 @@ def _run(scenario: Scenario, request: RunRequest) -> tuple[Recording | None, lis
             request.external,
             request.listen,
         )
-        supervisor = Supervisor(scenario, options, progress.show, stop)
+        supervisor = Supervisor(scenario, options, progress.show, stop.listen())
         faults = supervisor.run()
-    return (read(request.recording, NEEDED) if request.recording.is_file() else None), faults, supervisor.notes
+    return (read(request.recording, NEEDED) if supervisor.recorded else None), faults, supervisor.notes
 
 
 def _picture(scenario: Scenario, recording: Recording) -> Path | None:

@@ -23,10 +23,10 @@ def with_place(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     A law in the working folder keeps its short name: every process of a run finds it there.
     """
     controller = data.get("controller")
-    name = controller.get("law") if isinstance(controller, dict) else None
-    if not isinstance(name, str) or folder.resolve() == Path.cwd():
+    if not isinstance(controller, dict) or folder.resolve() == Path.cwd():
         return data
-    file = law_file(name, folder)
+    name = controller.get("law")
+    file = law_file(name, folder) if isinstance(name, str) else None
     if file is None:
         return data
-    return data | {"controller": controller | {"law": f"{file.resolve()}:{name.rpartition(':')[2]}"}}
+    return data | {"controller": controller | {"law": f"{file.resolve()}:{str(name).rpartition(':')[2]}"}}

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.errors import RunError, UsageError
+from bridge.machine.children import guarded
 from bridge.machine.process import Stop
 from bridge.recording.reader import Entry
 from bridge.view.content import APPLICATION
@@ -47,7 +48,7 @@ def watch(link: Link, rig: str, options: LiveOptions) -> None:
     require_rerun()
     if options.picture:
         check_target(options.picture)
-    with Bus(link, rig, "viewer", blocking=False, lease=LEASE) as bus:
+    with guarded(), Bus(link, rig, "viewer", blocking=False, lease=LEASE) as bus:
         live = Live(bus, link.patience, Stop())
         _yield_to_all()
         if options.picture:
@@ -84,6 +85,8 @@ class Live:
     def follow(self, program: Program, until: float | None = None, bare: bool = False) -> None:
         """Draw on a Rerun program until it ends, Ctrl-C, or a simulated time [s]; a new run begins a new recording."""
 
+        self.stop.listen()
+
         def closed() -> bool:
             return program.process.poll() is not None
 
@@ -104,6 +107,7 @@ class Live:
 
         if path.suffix != ".rrd":
             raise UsageError(f"{path}: Rerun knows its files by their ending; name it {path.with_suffix('.rrd')}")
+        self.stop.listen()
         manifest = self._manifest(self.stop)
         if manifest is None:
             return
@@ -144,7 +148,8 @@ class Live:
 def _yield_to_all() -> None:
     """Draw, and Rerun with us, only where nobody else wants the processor.
 
-    Not so Zenoh's threads, which are there already: what they leave on the wire, the plant would wait for.
+    Not so Zenoh's threads and the guard, which are there already: what those leave on the wire, the plant would wait
+    for, and the guard has to end Rerun on a busy machine too.
     """
     os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
 

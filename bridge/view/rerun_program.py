@@ -1,7 +1,6 @@
 """Rerun's own program: a window, a server for browsers, or a picture without a screen. On loopback only, and silent."""
 
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -14,6 +13,8 @@ from typing import Any, NamedTuple
 from urllib.parse import quote
 
 from bridge.errors import UsageError
+from bridge.machine.children import guarded
+from bridge.machine.process import Stop
 from bridge.wire.link import free_endpoint
 
 START_PATIENCE = 15.0  # [s] for a server to answer
@@ -87,10 +88,11 @@ def _running(*arguments: str, page: int = 0, quiet: bool = False) -> Iterator[Pr
     import rerun_cli
 
     path, data = Path(rerun_cli.__file__).with_name("rerun"), _free_port()
-    environment = {"RUST_LOG": "error", "XDG_RUNTIME_DIR": "/tmp", **os.environ, "CI": "1"}
+    own = {"RUST_LOG": "error", "XDG_RUNTIME_DIR": "/tmp"}
     command = [path, "--bind", LOOPBACK, "--port", str(data), *MEMORY, *arguments]
     words = subprocess.DEVNULL if quiet else None
-    with _ended_by_exception():
+    with guarded() as environment:
+        environment = {**own, **environment, "CI": "1"}
         process = subprocess.Popen(command, env=environment, stdout=words, stderr=words, start_new_session=True)
         _last_in_line(process.pid)
         try:
@@ -98,24 +100,6 @@ def _running(*arguments: str, page: int = 0, quiet: bool = False) -> Iterator[Pr
             yield Program(process, data, page)
         finally:
             _end(process)
-
-
-@contextmanager
-def _ended_by_exception() -> Iterator[None]:
-    """A closed terminal or a polite kill ends us as SystemExit: Rerun's session is its own and would outlive us."""
-
-    def leave(number: int, _: object) -> None:
-        sys.exit(128 + number)
-
-    before = {number: signal.getsignal(number) for number in (signal.SIGHUP, signal.SIGTERM)}
-    ours = [number for number, handler in before.items() if handler is signal.SIG_DFL]
-    for number in ours:
-        signal.signal(number, leave)
-    try:
-        yield
-    finally:
-        for number in ours:
-            signal.signal(number, before[number])
 
 
 def _last_in_line(pid: int) -> None:
@@ -146,6 +130,14 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
+
+
+def until_closed(program: Program) -> int | None:
+    """Wait until Rerun has ended, and give its exit code; None when we have been asked to end."""
+    stop = Stop().listen()
+    while (code := program.process.poll()) is None and not stop():
+        time.sleep(0.05)
+    return code
 
 
 def connected(program: Program, application: str, name: Any = None) -> Any:

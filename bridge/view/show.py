@@ -1,6 +1,5 @@
 """A recording in Rerun's viewer: a window, a page for a browser, a picture, or a file."""
 
-import signal
 from pathlib import Path
 
 from bridge.errors import UsageError
@@ -11,6 +10,7 @@ from bridge.view.rerun_program import (
     connected,
     require_rerun,
     server,
+    until_closed,
     window,
 )
 from bridge.view.screenshot import screenshot
@@ -57,27 +57,19 @@ def _fill(program: Program, recording: Recording, at: float) -> float:
 def _open(recording: Recording) -> None:
     """A window of its own; returns when it is closed."""
     with window() as program:
-        try:
-            send(connected(program, APPLICATION), recording)
-            failed = program.process.wait()
-        except KeyboardInterrupt:
-            return
+        send(connected(program, APPLICATION), recording)
+        failed = until_closed(program)
     if failed:
         raise UsageError("Rerun's window did not open; use --web for a browser, or --save FILE.rrd")
 
 
 def _serve(recording: Recording) -> None:
-    """A page on free ports of loopback, until Ctrl-C or SIGTERM.
+    """A page on free ports of loopback, until Ctrl-C or another signal.
 
     The recording is sent to the server: given a file to load, it would keep a core busy for as long as it runs.
     """
-    for ending in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(ending, signal.default_int_handler)
-    try:
-        with server() as program:
-            send(connected(program, APPLICATION), recording)
-            print(f"{program.address}\nCtrl-C ends it", flush=True)
-            program.process.wait()
-    except KeyboardInterrupt:
-        return
-    raise UsageError("Rerun's web server ended by itself")
+    with server() as program:
+        send(connected(program, APPLICATION), recording)
+        print(f"{program.address}\nCtrl-C ends it", flush=True)
+        if until_closed(program) is not None:
+            raise UsageError("Rerun's web server ended by itself")

@@ -69,9 +69,7 @@ def test_an_installed_law_is_found():
 
 
 def test_neighbours_are_imported_and_never_take_our_place(elsewhere: Path):
-    (elsewhere / "mine.py").write_text(
-        "import controller, spool_of_mine as own\n" + ANSWER.replace("0.25", "own.SPOOL")
-    )
+    (elsewhere / "mine.py").write_text("import controller, own_spool\n" + ANSWER.replace("0.25", "own_spool.SPOOL"))
     (elsewhere / "controller.py").write_text("raise RuntimeError('imported by mistake')\n")
     (elsewhere / "own_spool.py").write_text("SPOOL = 0.5\n")
     assert find_law(f"{elsewhere}/mine.py:law")(*CALL) == (0.5, None)

@@ -33,12 +33,19 @@ class RecorderProcess:
     """Records one run after the other; a new run id starts a new file."""
 
     def __init__(
-        self, bus: Bus, path: Path, patience: float, stop: Callable[[], bool], request: Request | None = None
+        self,
+        bus: Bus,
+        path: Path,
+        patience: float,
+        stop: Callable[[], bool],
+        request: Request | None = None,
+        begun: Callable[[], object] = lambda: None,
     ) -> None:
         self.bus = bus
         self.patience = patience
         self.path = path
         self.stop = stop
+        self.begun = begun  # called once there is a file to be closed in order
         self.request = request or Request()
         self.overflow: Counter[str] = Counter()  # messages per topic that there was no room for
         self._most = 0  # messages that have waited at a time
@@ -54,6 +61,7 @@ class RecorderProcess:
     def run(self) -> list[Path]:
         """Record until the plant has ended or is gone. Raises RunError when no plant answers or the disk refuses."""
         file = self._opened(self.path, self._manifest(), 0)
+        self.begun()
         self.bus.announce()
         self._began = time.process_time(), time.monotonic()
         while not self.stop() and not self._over(file):
@@ -148,4 +156,4 @@ def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool, request:
     stop = Stop()
     os.nice(YIELDING)
     with Bus(link, rig_name, "recorder", blocking=blocking) as bus:
-        return RecorderProcess(bus, path, link.patience, stop, request).run()
+        return RecorderProcess(bus, path, link.patience, stop, request, stop.listen).run()

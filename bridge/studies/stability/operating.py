@@ -1,5 +1,6 @@
 """Where a run stands among the stable gains of its own loop, and whether it swung as the theory says."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,10 +21,13 @@ from controller.stability import closed, dominant, is_stable, loop_onset
 
 ROUND = (0.2, 5.0)  # of the own sampling interval, what the chart spans
 PLACES = 15
+LONGEST = 40  # sampling periods of delay; the work grows with the cube, seconds here, minutes at 100
 
 
 def operating_point(scenario: Scenario, metrics: dict[str, Any]) -> dict[str, Any] | None:
-    """Plain data for a run's summary; None for a loop that the theory does not know."""
+    """Plain data for a run's summary; None for a loop that the theory does not know, and where it is left out."""
+    if left_out(scenario):
+        return None
     try:
         found = plants_of(scenario)
     except ScenarioError:
@@ -50,6 +54,21 @@ def operating_point(scenario: Scenario, metrics: dict[str, Any]) -> dict[str, An
     }
 
 
+def left_out(scenario: Scenario) -> str | None:
+    """Why a run is not set against the theory, in words; None where nothing is in the way of that."""
+    timing = timing_of(scenario)
+    if scenario.controller.law != "pd" or _periods(timing.delay, timing.period) <= LONGEST:
+        return None
+    return (
+        f"the linear theory was left out: loop.delay {timing.delay:g} s is more than {LONGEST} sampling periods of "
+        f"{timing.period:g} s, which takes minutes; `hydrotwin advise` computes it"
+    )
+
+
+def _periods(delay: float, period: float) -> int:
+    return math.ceil(round(delay / period, 9))
+
+
 def sentences(at: dict[str, Any]) -> list[str]:
     """An operating point in words."""
     criticals = [point["critical_gain"] for point in at["points"].values()]
@@ -73,6 +92,7 @@ def edge_curves(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.flo
     """Sampling intervals [s] around the run's own, and the least and greatest critical gain [V/%] at each, (n, 2)."""
     found, own, timing = plants_of(scenario), gains(scenario), timing_of(scenario)
     intervals = timing.period * np.geomspace(*ROUND, PLACES)
+    intervals = intervals[[_periods(timing.delay, t) <= LONGEST for t in intervals.tolist()]]
     rows = [
         [edge_of(point.plant(), timing._replace(period=t), own.derivative).gain for point in found.values()]
         for t in intervals.tolist()

@@ -2,11 +2,17 @@
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 
 from bridge.errors import RunError
+from bridge.machine.children import guarded
 from bridge.studies.sweep.journal import Point, Result
+
+WAY_OUT = "memory may have run out; run it again with fewer --workers"
 
 Task = Callable[[Point], Result]  # importable by name, pure
 Done = Iterator[tuple[Point, Result]]  # in the order in which they come
@@ -24,14 +30,32 @@ def alone(task: Task, points: Sequence[Point]) -> Done:
 
 
 def local(task: Task, points: Sequence[Point], workers: int) -> Done:
-    """In processes of this machine. They are new ones and inherit no thread of this one."""
-    with ProcessPoolExecutor(min(workers, len(points)), multiprocessing.get_context("spawn")) as pool:
-        asked = {pool.submit(task, point): point for point in points}
+    """In processes of this machine. They are new ones and inherit no thread of this one. RunError when one dies."""
+    spawn = multiprocessing.get_context("spawn")
+    with guarded() as environment, ProcessPoolExecutor(min(workers, len(points)), spawn) as pool:
+        with _starting(environment):
+            asked = {pool.submit(task, point): point for point in points}
         try:
             for future in as_completed(asked):
                 yield asked[future], future.result()
+        except BrokenProcessPool:
+            raise RunError(f"a worker process was killed: {WAY_OUT}") from None
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
+
+
+@contextmanager
+def _starting(environment: dict[str, str]) -> Iterator[None]:
+    """Children that start meanwhile get this environment, and leave Ctrl-C at the terminal to us."""
+    before = dict(os.environ)
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT,))
+    os.environ |= environment
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ |= before
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def cluster(task: Task, points: Sequence[Point], address: str) -> Done:
