@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from bridge.errors import UsageError
+from bridge.wire.messages import Mode
 
 FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
 TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
@@ -26,19 +27,11 @@ def tolerances(texts: list[str] | None) -> dict[str, str]:
     return {name: value for name, _, value in pairs}
 
 
-class Mode(StrEnum):
-    """What paces the loop."""
-
-    inprocess = "inprocess"
-    lockstep = "lockstep"
-    realtime = "realtime"
-
-
 class ProcessMode(StrEnum):
     """What paces a process of the loop."""
 
-    lockstep = "lockstep"
-    realtime = "realtime"
+    LOCKSTEP = Mode.LOCKSTEP
+    REALTIME = Mode.REALTIME
 
 
 SCENARIO = Annotated[str, typer.Argument(help="Name of a built-in scenario, or a TOML file.")]

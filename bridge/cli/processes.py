@@ -18,12 +18,13 @@ from bridge.cli.options import (
 )
 from bridge.scenario.loading import refuse_fast_daq
 from bridge.wire.link import DEFAULT_ENDPOINT
+from bridge.wire.messages import Mode
 
 
 def plant(
     scenario: SCENARIO = "step",
     changes: CHANGES = None,
-    mode: MODE = ProcessMode.realtime,
+    mode: MODE = ProcessMode.REALTIME,
     speed: Annotated[float, typer.Option(min=0.01, max=100.0, help="Simulated seconds per second.")] = 1.0,
     listen: Annotated[str | None, typer.Option(help=f"Address to listen on.  [default: {DEFAULT_ENDPOINT}]")] = None,
     connect: Annotated[str | None, typer.Option(help="Connect to a router instead of listening.")] = None,
@@ -50,10 +51,10 @@ def plant(
     from bridge.wire.link import Link
 
     link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, patience)
-    awaited = tuple(partners or (["controller"] if mode == ProcessMode.lockstep else []))
-    options = PlantOptions(mode.value, speed, fifo, fresh() if run_id is None else run_id, awaited, patience)
+    awaited = tuple(partners or (["controller"] if mode == ProcessMode.LOCKSTEP else []))
+    options = PlantOptions(Mode(mode), speed, fifo, fresh() if run_id is None else run_id, awaited, patience)
     checked = load(scenario, changes)
-    if mode == ProcessMode.realtime:
+    if mode == ProcessMode.REALTIME:
         refuse_fast_daq(checked, speed)
     words = run_plant(checked, link, options)
     if as_json:
@@ -68,7 +69,7 @@ def controller(
     law: Annotated[
         str | None, typer.Option(help="Your own law as module:function or FILE.py:function; or pd, relay, open-loop.")
     ] = None,
-    mode: MODE = ProcessMode.realtime,
+    mode: MODE = ProcessMode.REALTIME,
     connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,
     source: Annotated[
@@ -90,7 +91,7 @@ def controller(
     own = [f"controller.law={law}"] if law else []
     checked = load(scenario, [*(changes or []), *own])
     link = Link(None, connect, zenoh_config, patience)
-    run_controller(checked, link, mode.value, fresh() if source is None else source, fifo)
+    run_controller(checked, link, Mode(mode), fresh() if source is None else source, fifo)
 
 
 def router(

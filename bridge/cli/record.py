@@ -32,7 +32,7 @@ def record(
         typer.Option("--output", "-o", help="File to write. [default: runs/RIG-TIME.mcap]", show_default=False),
     ] = None,
     rig: Annotated[str, typer.Option(help="Name of the rig to record.")] = "rig",
-    mode: MODE = ProcessMode.realtime,
+    mode: MODE = ProcessMode.REALTIME,
     topics: TOPICS = None,
     without: WITHOUT = None,
     split_size: Annotated[str | None, typer.Option(help="Begin a new file after so much: '100 MB'.")] = None,
@@ -57,7 +57,7 @@ def record(
     request = _request(topics, without, (split_size, split_time, fsync), (ring, after, triggers), meta)
     path = output or Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
     link = Link(None, connect, zenoh_config, patience)
-    written = run_recorder(path, rig, link, mode == ProcessMode.lockstep, request)
+    written = run_recorder(path, rig, link, mode == ProcessMode.LOCKSTEP, request)
     if as_json:
         print_json({"recording": str(written[-1]) if written else None, "parts": [str(part) for part in written]})
     else:

@@ -23,7 +23,7 @@ RECORD = Annotated[
 
 def run(
     scenario: SCENARIO,
-    mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.realtime,
+    mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.REALTIME,
     speed: Annotated[float, typer.Option(min=0.01, max=100.0, help="Simulated seconds per second.")] = 1.0,
     duration: Annotated[str | None, typer.Option(help="Instead of the scenario's, such as '5 s'.")] = None,
     seed: Annotated[int | None, typer.Option(help="Instead of the scenario's.")] = None,
@@ -47,15 +47,16 @@ def run(
     [bold]inprocess[/bold] needs neither middleware nor clock. All record the same data.
     """
     from bridge.cli.printing import print_summary
-    from bridge.runs.run import RunRequest, run_scenario
+    from bridge.processes.options import RunOptions
+    from bridge.runs.run import run_scenario
     from bridge.scenario import load
     from bridge.scenario.loading import refuse_fast_daq
 
     checked = load(scenario, _changes(changes, duration, seed))
-    if mode == Mode.realtime:
+    if mode == Mode.REALTIME:
         refuse_fast_daq(checked, speed)
     path = recording or default_recording(checked.name)
-    outcome = run_scenario(checked, RunRequest(mode.value, speed, fifo, path, patience, external, listen))
+    outcome = run_scenario(checked, RunOptions(mode, path, speed, fifo, patience, external, listen))
     if summary_file == Path("-"):
         print_json(outcome.summary)
     else:
@@ -78,7 +79,7 @@ def _changes(changes: list[str] | None, duration: str | None, seed: int | None) 
 
 def check(
     scenarios: Annotated[list[str], typer.Argument(metavar="SCENARIO...", help="Names or TOML files.")],
-    mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.inprocess,
+    mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.INPROCESS,
     changes: CHANGES = None,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here.")] = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the recordings.")] = Path("runs"),
@@ -95,8 +96,8 @@ def check(
         circuit_of(scenario)  # all are good, or none is run
     results = []
     for scenario in loaded:
-        results.append(check_scenario(scenario, mode.value, output))
-        if any("interrupted" in fault for fault in results[-1].faults):
+        results.append(check_scenario(scenario, mode, output))
+        if results[-1].interrupted:
             break
     if junit:
         junit.parent.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ from bridge.loop.controller import ControllerSide
 from bridge.loop.identity import derived
 from bridge.loop.plant import PlantSide
 from bridge.scenario import Scenario
-from bridge.wire.messages import Outgoing
+from bridge.wire.messages import Ending, Outgoing, last_words
 
 
 def exchange(
@@ -25,8 +25,9 @@ def exchange(
                 plant.take(answer.message)
         yield out + answers
         out = plant.tick(lean)
-    ending = "complete" if plant.tick_number == ticks else "interrupted"
-    yield out + controller.answer(plant.measurement) + plant.finish(f"{ending} after {plant.tick_number} ticks")
+    ticks_run = plant.tick_number
+    ending = Ending.COMPLETE if ticks_run == ticks else Ending.INTERRUPTED
+    yield out + controller.answer(plant.measurement) + plant.finish(last_words(ending, ticks_run))
 
 
 def sides(scenario: Scenario) -> tuple[PlantSide, ControllerSide]:

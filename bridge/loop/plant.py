@@ -13,7 +13,7 @@ from bridge.loop.safety import Gate, Refusal, Watchdog
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
-from bridge.wire.messages import TOPICS, Outgoing
+from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, refusal
 from controller.grid import NS, last_due, to_ns
 from controller.hold import Hold
 from twin.circuit.block import compiled, run_block
@@ -23,7 +23,7 @@ from twin.sensors import NOISE_ROWS, Card, acquire, noise_block
 from twin.topology import OBSERVED
 
 SAFE = 0.0  # spool reference of the safe state: valve centred
-Note = tuple[str, int, int, int, int, str]  # kind, source, command, apply_at, applied_at, text
+Note = tuple[EventKind, int, int, int, int, str]  # kind, source, command, apply_at, applied_at, text
 EVENTS_PER_REASON = 100  # refusals of one kind that are recorded one by one; all are counted
 
 
@@ -66,7 +66,7 @@ class PlantSide:
         """The messages of tick 0: the rig at rest."""
         self._run(self.hold.value, 0)
         self._taps[0] = self._taps[1]
-        self.note("started", f"scenario {self.scenario.name}, {self.scenario.duration:g} s")
+        self.note(EventKind.STARTED, f"scenario {self.scenario.name}, {self.scenario.duration:g} s")
         return self._messages()
 
     def awaited(self) -> int | None:
@@ -81,22 +81,22 @@ class PlantSide:
                 raise ValueError(f"a message of type {kind!r}")
             command = decode(payload, "command")
         except ValueError as error:
-            self._record_refusal(self.gate.refuse("undecodable", str(error)), 0, 0, 0)
+            self._record_refusal(self.gate.refuse(Reason.UNDECODABLE, str(error)), 0, 0, 0)
             return None
         return command if self.take(command) else None
 
     def take(self, command: Any) -> bool:
         """Take a command; False when it was refused."""
         if self.watchdog.blocks():
-            refusal = self.gate.refuse("latched", "the plant is in its safe state until reset")
+            refused = self.gate.refuse(Reason.LATCHED, "the plant is in its safe state until reset")
         else:
-            refusal = self.gate.check(command, self.now)
-        if refusal is not None:
-            self._record_refusal(refusal, command.source, command.sequence, command.apply_at)
+            refused = self.gate.check(command, self.now)
+        if refused is not None:
+            self._record_refusal(refused, command.source, command.sequence, command.apply_at)
             return False
         if self.watchdog.safe:
             self.watchdog.clear()
-            self.note("resumed", "commands have resumed", command.source, command.sequence)
+            self.note(EventKind.RESUMED, "commands have resumed", command.source, command.sequence)
         if command.apply_at < self.now:
             self._record_late(command)
         self.hold.put(command.apply_at, command.spool)
@@ -107,7 +107,7 @@ class PlantSide:
         if self.watchdog.safe:
             self.watchdog.clear()
             self.gate.release(self.now)
-            self.note("reset", "safe state left by reset")
+            self.note(EventKind.RESET, "safe state left by reset")
 
     def tick(self, lean: bool = False) -> list[Outgoing]:
         """Integrate the block that has just passed and return its messages; `lean`: the measurement alone."""
@@ -122,11 +122,11 @@ class PlantSide:
 
     def finish(self, text: str) -> list[Outgoing]:
         """The last words."""
-        self.note("ended", text)
+        self.note(EventKind.ENDED, text)
         return self._drain()
 
     def note(
-        self, kind: str, text: str, source: int = 0, command: int = 0, apply_at: int = 0, applied_at: int = 0
+        self, kind: EventKind, text: str, source: int = 0, command: int = 0, apply_at: int = 0, applied_at: int = 0
     ) -> None:
         """Record an event; it goes out, stamped, with the next messages."""
         self._notes.append((kind, source, command, apply_at, applied_at, text))
@@ -144,20 +144,21 @@ class PlantSide:
             self.gate.release(at)
             self.hold.put(at, SAFE)
             timeout = self.watchdog.timeout / NS
-            self.note("safe", f"no command for {timeout:g} s: valve centred", applied_at=at)
+            self.note(EventKind.SAFE, f"no command for {timeout:g} s: valve centred", applied_at=at)
 
     def _record_late(self, command: Any) -> None:
         self.late += 1
         behind = self.now - command.apply_at
         self.worst_lateness = max(self.worst_lateness, behind)
         text = f"acted {behind / 1e6:g} ms late"
-        self.note("late", text, command.source, command.sequence, command.apply_at, self.now)
+        self.note(EventKind.LATE, text, command.source, command.sequence, command.apply_at, self.now)
 
-    def _record_refusal(self, refusal: Refusal, source: int, sequence: int, apply_at: int) -> None:
-        count = self.gate.refused[refusal.reason]
+    def _record_refusal(self, refused: Refusal, source: int, sequence: int, apply_at: int) -> None:
+        count = self.gate.refused[refused.reason]
         if count <= EVENTS_PER_REASON:
             last = "; more of these are only counted" if count == EVENTS_PER_REASON else ""
-            self.note("refused", f"{refusal.reason}: {refusal.text}{last}", source, sequence, apply_at)
+            text = refusal(refused.reason, f"{refused.text}{last}")
+            self.note(EventKind.REFUSED, text, source, sequence, apply_at)
 
     def _count(self, topic: str) -> int:
         sequence = self.published.get(topic, 0)

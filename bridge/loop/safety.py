@@ -6,6 +6,7 @@ Nothing here knows clocks or networks: times are simulated nanoseconds that the 
 import math
 from typing import Any, NamedTuple
 
+from bridge.wire.messages import Reason
 from controller.grid import NS, Sampling
 
 FURTHEST = 10 * NS  # an `apply_at` further ahead than this is refused
@@ -14,8 +15,11 @@ FURTHEST = 10 * NS  # an `apply_at` further ahead than this is refused
 class Refusal(NamedTuple):
     """Why a command was not taken: the reason's name, to be counted, and a sentence for people."""
 
-    reason: str
+    reason: Reason
     text: str
+
+
+Objection = tuple[Reason, str]
 
 
 class Gate:
@@ -25,14 +29,14 @@ class Gate:
         self.run_id = run_id
         self.grid = grid
         self.owner: int | None = None
-        self.refused: dict[str, int] = {}
+        self.refused: dict[Reason, int] = {}
         self.accepted = 0
         self.last_sequence = -1
         self.last_sample = -1
         self.last_apply = -1
         self.in_force = -1  # since when the present value has acted [ns]
 
-    def refuse(self, reason: str, text: str) -> Refusal:
+    def refuse(self, reason: Reason, text: str) -> Refusal:
         """Count a refusal."""
         self.refused[reason] = self.refused.get(reason, 0) + 1
         return Refusal(reason, text)
@@ -53,41 +57,44 @@ class Gate:
         self.owner, self.last_sequence, self.last_sample, self.last_apply = None, -1, -1, -1
         self.in_force = since
 
-    def _run(self, command: Any, now: int) -> tuple[str, str] | None:
+    def _run(self, command: Any, now: int) -> Objection | None:
         if command.run_id != self.run_id:
-            return "foreign run", f"command for run {command.run_id}, this is run {self.run_id}"
+            return Reason.FOREIGN_RUN, f"command for run {command.run_id}, this is run {self.run_id}"
         return None
 
-    def _value(self, command: Any, now: int) -> tuple[str, str] | None:
+    def _value(self, command: Any, now: int) -> Objection | None:
         if not math.isfinite(command.spool):
-            return "not finite", f"spool reference {command.spool} is no finite number"
+            return Reason.NOT_FINITE, f"spool reference {command.spool} is not a finite number"
         if abs(command.spool) > 1.0:
-            return "out of range", f"spool reference {command.spool:g} is outside -1 to 1"
+            return Reason.OUT_OF_RANGE, f"spool reference {command.spool:g} is outside -1 to 1"
         return None
 
-    def _owner(self, command: Any, now: int) -> tuple[str, str] | None:
+    def _owner(self, command: Any, now: int) -> Objection | None:
         if self.owner is not None and command.source != self.owner:
-            return "second controller", f"controller {command.source} came second: {self.owner} owns this plant"
+            return Reason.SECOND_CONTROLLER, f"controller {command.source} came second: {self.owner} owns this plant"
         return None
 
-    def _order(self, command: Any, now: int) -> tuple[str, str] | None:
+    def _order(self, command: Any, now: int) -> Objection | None:
         if command.sequence <= self.last_sequence:
-            return "out of order", f"command {command.sequence} after {self.last_sequence}"
+            return Reason.OUT_OF_ORDER, f"command {command.sequence} after {self.last_sequence}"
         if command.apply_at < self.in_force:
-            return "stale", f"command for {command.apply_at} ns is older than the one in force since {self.in_force} ns"
+            return (
+                Reason.STALE,
+                f"command for {command.apply_at} ns is older than the one in force since {self.in_force} ns",
+            )
         if command.sample_stamp < self.last_sample:
-            return "stale", f"answer to {command.sample_stamp} ns after the one to {self.last_sample} ns"
+            return Reason.STALE, f"answer to {command.sample_stamp} ns after the one to {self.last_sample} ns"
         return None
 
-    def _time(self, command: Any, now: int) -> tuple[str, str] | None:
+    def _time(self, command: Any, now: int) -> Objection | None:
         if command.sample_stamp > now or command.apply_at < command.sample_stamp:
-            return "impossible time", (
+            return Reason.IMPOSSIBLE_TIME, (
                 f"sample at {command.sample_stamp} ns, to act at {command.apply_at} ns, now is {now} ns"
             )
         if command.apply_at - now > FURTHEST:
-            return "far future", f"to act at {command.apply_at} ns, more than 10 s ahead of {now} ns"
+            return Reason.FAR_FUTURE, f"to act at {command.apply_at} ns, more than 10 s ahead of {now} ns"
         if command.apply_at % self.grid.step:
-            return "off the grid", f"to act at {command.apply_at} ns, no whole number of {self.grid.step} ns"
+            return Reason.OFF_THE_GRID, f"to act at {command.apply_at} ns, not a whole number of {self.grid.step} ns"
         return None
 
 

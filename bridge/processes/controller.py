@@ -11,6 +11,7 @@ from bridge.scenario import Scenario
 from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
 from bridge.wire.link import Link
+from bridge.wire.messages import GOING, EventKind, Mode, Phase, Reason, reason_of
 
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 
@@ -43,7 +44,7 @@ class ControllerProcess:
             if self._fault is not None:
                 raise self._fault
         counts = {f"published/{topic}": float(count) for topic, count in self.side.published.items()}
-        self.bus.publish_status(self._run_id, self._stamp, "ended", counts, final=True)
+        self.bus.publish_status(self._run_id, self._stamp, Phase.ENDED, counts, final=True)
 
     def _guarded(self, topic: str, heed: Callable[[Any], None]) -> Receiver:
         """Decode and heed; what goes wrong in Zenoh's thread is raised in ours."""
@@ -66,11 +67,16 @@ class ControllerProcess:
         self._run_id, self._stamp, self._tick = measurement.run_id, measurement.stamp, measurement.tick
 
     def _heed(self, event: Any) -> None:
-        if event.kind == "refused" and event.source == self.side.source and event.text.startswith("second controller"):
+        if self._is_refused(event):
             self._fault = RunError(f"the plant refuses this controller: {event.text}")
 
+    def _is_refused(self, event: Any) -> bool:
+        """Does the plant belong to another controller?"""
+        ours = event.kind == EventKind.REFUSED and event.source == self.side.source
+        return ours and reason_of(event) == Reason.SECOND_CONTROLLER
+
     def _follow(self, status: Any) -> None:
-        if status.role == "plant" and status.phase not in ("running", "safe"):
+        if status.role == "plant" and status.phase not in GOING:
             self._last_tick = round(dict(zip(status.names, status.values, strict=True))["tick"])
             self._deadline = time.monotonic() + FAREWELL
 
@@ -80,9 +86,9 @@ class ControllerProcess:
         return not self.bus.present.get("plant", {"?"})
 
 
-def run_controller(scenario: Scenario, link: Link, mode: str, source: int, fifo: bool) -> None:
+def run_controller(scenario: Scenario, link: Link, mode: Mode, source: int, fifo: bool) -> None:
     """Run a controller until its plant ends. Raises RunError, LinkError or UsageError with one line for people."""
     side = ControllerSide(scenario, source)
     prepare(fifo)
-    with Bus(link, scenario.rig_name, "controller", blocking=mode == "lockstep") as bus:
+    with Bus(link, scenario.rig_name, "controller", blocking=mode == Mode.LOCKSTEP) as bus:
         ControllerProcess(bus, side, Stop().listen()).run()

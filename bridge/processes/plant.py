@@ -17,7 +17,7 @@ from bridge.scenario.circuit import circuit_of
 from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, ready
 from bridge.wire.link import Link
-from bridge.wire.messages import Outgoing
+from bridge.wire.messages import Ending, Mode, Outgoing, Phase, last_words
 from controller.grid import NS, is_sample
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
@@ -25,10 +25,17 @@ UNANSWERED = 1000  # samples whose way out is remembered while no command answer
 LINGER = 5.0  # seconds that partners get to finish
 
 
+LAST_PHASE = {
+    Ending.COMPLETE: Phase.ENDED,
+    Ending.INTERRUPTED: Phase.INTERRUPTED,
+    Ending.FAILED: Phase.FAILED,
+}
+
+
 class PlantOptions(NamedTuple):
     """How a plant is run."""
 
-    mode: str  # lockstep, realtime
+    mode: Mode  # lockstep, realtime
     speed: float  # simulated over wall time
     fifo: bool
     run_id: int
@@ -66,23 +73,22 @@ class PlantProcess:
         bus.watch()
         bus.announce()
 
-    def run(self) -> str:
+    def run(self) -> Ending:
         """Run to the end; returns what ended it. Raises RunError when a partner does not come or does not answer."""
         missing = self.bus.await_roles(self.options.partners, self.options.patience, self.stop)
         if missing and not self.stop():
             raise RunError(f"no {' and no '.join(missing)} within {self.options.patience:g} s of the start")
-        if self.options.mode == "lockstep":
+        if self.options.mode == Mode.LOCKSTEP:
             self._lockstep()
         else:
             self._real_time()
-        return "interrupted" if self.side.tick_number < self.scenario.ticks else "complete"
+        return Ending.INTERRUPTED if self.side.tick_number < self.scenario.ticks else Ending.COMPLETE
 
-    def close(self, ending: str, partners: tuple[str, ...] = ("controller", "recorder")) -> None:
+    def close(self, ending: Ending, reason: str = "", partners: tuple[str, ...] = ("controller", "recorder")) -> None:
         """Say the last words and stay until the partners have left: their messages pass through here."""
-        for message in self.side.finish(f"{ending} after {self.side.tick_number} ticks"):
+        for message in self.side.finish(last_words(ending, self.side.tick_number, reason)):
             self.bus.publish(message)
-        phase, _, reason = ending.partition(": ")
-        self._report("ended" if phase == "complete" else phase, reason, extra=self.timing, final=True)
+        self._report(LAST_PHASE[ending], reason, extra=self.timing, final=True)
         self.bus.await_leaving(partners, LINGER)
 
     def _lockstep(self) -> None:
@@ -109,7 +115,8 @@ class PlantProcess:
 
     def _silence(self, stamp: int) -> str:
         refused = sum(self.side.gate.refused.values())
-        also = f"; {refused} commands were refused: {self.side.gate.refused}" if refused else ""
+        reasons = ", ".join(f"{count} {reason}" for reason, count in self.side.gate.refused.items())
+        also = f"; {refused} commands were refused: {reasons}" if refused else ""
         return (
             f"the controller has not answered the measurement of tick {stamp // self.side.grid.daq} "
             f"(t = {stamp / NS:g} s) within {self.options.patience:g} s{also}"
@@ -185,10 +192,10 @@ class PlantProcess:
         if now < self._status_due:
             return False
         self._status_due = now + STATUS_PERIOD
-        self._report("safe" if self.side.watchdog.safe else "running", "", extra)
+        self._report(Phase.SAFE if self.side.watchdog.safe else Phase.RUNNING, "", extra)
         return True
 
-    def _report(self, phase: str, text: str, extra: dict[str, float], final: bool = False) -> None:
+    def _report(self, phase: Phase, text: str, extra: dict[str, float], final: bool = False) -> None:
         side, m = self.side, self.side.measurement
         values: dict[str, float] = {
             "tick": side.tick_number,
@@ -225,13 +232,13 @@ def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> dict[str
     """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
     circuit_of(scenario)  # refused before anybody is told of it
     prepare(options.fifo)
-    with Bus(link, scenario.rig_name, "plant", blocking=options.mode == "lockstep") as bus:
+    with Bus(link, scenario.rig_name, "plant", blocking=options.mode == Mode.LOCKSTEP) as bus:
         process = PlantProcess(bus, scenario, options)
         try:
             process.stop.listen()
             ending = process.run()
         except RunError as failure:
-            process.close(f"failed: {failure}", partners=("recorder",))
+            process.close(Ending.FAILED, str(failure), partners=("recorder",))
             raise
         process.close(ending)
         return process.report

@@ -7,33 +7,23 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from bridge.loop.identity import derived
 from bridge.machine.children import guarded
 from bridge.machine.process import Stop
 from bridge.processes.child import Child
+from bridge.processes.options import RunOptions
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
 from bridge.wire.link import Link, LinkError, free_endpoint
+from bridge.wire.messages import GOING, Mode
 
 SILENCE = 5.0  # seconds without a word from the plant after which it counts as gone
 FAREWELL = 8.0  # seconds that processes get to finish once they should
 READING = 0.1  # seconds per simulated second that the recorder gets on top, to read its file for the summary
 STARTUP = 90.0  # seconds to the first word: the first start compiles
-
-
-class RunOptions(NamedTuple):
-    """How a scenario is run in processes."""
-
-    mode: str  # lockstep, realtime
-    speed: float
-    fifo: bool
-    recording: Path
-    patience: float  # seconds, in lockstep for each command
-    external: bool  # the controller is somebody else's: wait for it, do not start ours
-    listen: str | None  # the plant's endpoint; None: a free one on loopback
 
 
 class Supervisor:
@@ -93,7 +83,7 @@ class Supervisor:
         if not options.external:
             source = ["--source", str(derived(seed, "controller"))]
             self.children.append(Child("controller", [str(file), *client, *source, *fifo], folder, environment))
-        if options.mode == "lockstep":
+        if options.mode == Mode.LOCKSTEP:
             self._share_a_processor()
 
     def _share_a_processor(self) -> None:
@@ -134,7 +124,7 @@ class Supervisor:
             return
         self._heard, self._started = time.monotonic(), True
         values = dict(zip(status.names, (float(value) for value in status.values), strict=True))
-        if status.phase not in ("running", "safe"):
+        if status.phase not in GOING:
             self._plant_over = self._plant_over or time.monotonic()
         self.show(values | {"phase": status.phase})
 

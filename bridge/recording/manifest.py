@@ -5,13 +5,14 @@ from typing import Any
 
 from bridge.machine.host import host, versions
 from bridge.scenario import Scenario
+from bridge.wire.messages import Mode
 
 
 def manifest(scenario: Scenario, run_id: int) -> dict[str, Any]:
     """The head of an in-process recording."""
     return {
         "run_id": str(run_id),
-        "mode": "inprocess",
+        "mode": Mode.INPROCESS,
         "speed": 0.0,
         "scenario": scenario.model_dump(mode="json"),
         "versions": versions(),

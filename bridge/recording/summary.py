@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from bridge.recording.columns import signals
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
+from bridge.wire.messages import Ending, EventKind, ending_of, reason_of
 from controller.metrics import measure
 
 NEEDED = ("state", "timing", "event", "status")  # topics that a summary is made of
@@ -18,16 +19,16 @@ PERCENTILES = {"p50": 50.0, "p99": 99.0, "p99.9": 99.9, "max": 100.0}
 def summarise(recording: Recording, scenario: Scenario, losses: dict[str, int]) -> dict[str, Any]:
     """Plain data, NaN-free: what is not defined for a run is None."""
     events = recording.messages("event")
-    ended = [event.text for event in events if event.kind == "ended"]
+    ended = [event.text for event in events if event.kind == EventKind.ENDED]
     ticks = recording.counts.get("state", 0)
     result = {
         "scenario": scenario.name,
-        "ending": ended[0] if ended else "cut off",
+        "ending": ended[0] if ended else Ending.CUT_OFF,
         "simulated": max(0, ticks - 1) * scenario.loop.daq_period,
         "metrics": _metrics(recording, scenario) if ticks > 1 else {},
         "timing": _timing(recording),
         "commands": _commands(recording, events),
-        "safe_states": sum(event.kind == "safe" for event in events),
+        "safe_states": sum(event.kind == EventKind.SAFE for event in events),
         "lost": losses,
         "messages": dict(sorted(recording.counts.items())),
     }
@@ -37,7 +38,7 @@ def summarise(recording: Recording, scenario: Scenario, losses: dict[str, int]) 
 def verdict(summary: dict[str, Any], scenario: Scenario) -> list[str]:
     """What makes a run a failure, in words; empty for a good one."""
     faults = []
-    if not summary["ending"].startswith("complete"):
+    if ending_of(summary["ending"]) != Ending.COMPLETE:
         faults.append(f"the run ended early: {summary['ending']}")
     if summary["safe_states"]:
         faults.append(f"the plant went to its safe state {summary['safe_states']} times")
@@ -96,10 +97,10 @@ def _commands(recording: Recording, events: list[Any]) -> dict[str, Any]:
             }
     if not refused:
         for event in events:
-            if event.kind == "refused":
-                reason = event.text.partition(":")[0]
+            if event.kind == EventKind.REFUSED:
+                reason = reason_of(event)
                 refused[reason] = refused.get(reason, 0) + 1
-    late = [event.applied_at - event.apply_at for event in events if event.kind == "late"]
+    late = [event.applied_at - event.apply_at for event in events if event.kind == EventKind.LATE]
     return {
         "sent": recording.counts.get("command", 0),
         "late": len(late),

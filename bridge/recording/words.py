@@ -4,8 +4,9 @@ from typing import Any
 
 from bridge.recording.reader import Recording
 from bridge.scenario.bands import METRICS, value_with_unit
+from bridge.wire.messages import Mode
 
-MODES = {"inprocess": "in one process", "lockstep": "in lockstep", "realtime": "in real time"}
+MODES = {Mode.INPROCESS: "in one process", Mode.LOCKSTEP: "in lockstep", Mode.REALTIME: "in real time"}
 
 
 def sentence(recording: Recording) -> str:

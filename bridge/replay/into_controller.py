@@ -18,7 +18,7 @@ from bridge.recording.reader import Entry, Recording
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
-from bridge.wire.messages import Outgoing
+from bridge.wire.messages import Mode, Outgoing, Phase
 from controller.grid import Sampling, is_sample
 
 PATIENCE = 10.0  # seconds for an answer
@@ -82,7 +82,7 @@ class FedController:
             bus.subscribe(topic, lambda sample, topic=topic: self._answers.put((topic, sample.payload.to_bytes())))
         bus.watch()
         bus.announce()
-        arguments = [str(file), "--mode", "lockstep", "--connect", endpoint, "--source", str(source)]
+        arguments = [str(file), "--mode", Mode.LOCKSTEP, "--connect", endpoint, "--source", str(source)]
         self._child = Child("controller", arguments, folder, self._ending.enter_context(guarded()))
         self._ending.callback(self._child.end)
 
@@ -101,7 +101,7 @@ class FedController:
             self._bus.publish(Outgoing("measurement", entry.log_time, entry.sequence, last), entry.data)
             yield [self._await(topic, entry.log_time) for topic in ("command", "reference")]
         if last is not None:
-            self._bus.publish_status(last.run_id, last.stamp, "ended", {"tick": float(last.tick)}, final=True)
+            self._bus.publish_status(last.run_id, last.stamp, Phase.ENDED, {"tick": float(last.tick)}, final=True)
             self._finish()
 
     def _await(self, topic: str, stamp: int) -> Outgoing:

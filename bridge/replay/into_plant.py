@@ -7,7 +7,7 @@ from bridge.loop.plant import PlantSide
 from bridge.recording.reader import Recording
 from bridge.replay.schedule import schedule
 from bridge.scenario import Scenario
-from bridge.wire.messages import Outgoing
+from bridge.wire.messages import EventKind, Outgoing
 
 
 def through_plant(recording: Recording, scenario: Scenario) -> Iterator[list[Outgoing]]:
@@ -26,7 +26,7 @@ def through_plant(recording: Recording, scenario: Scenario) -> Iterator[list[Out
                 side.take(following.command)
             following = next(inputs, None)
         out = side.tick()
-    ended = [event.text for event in recording.messages("event") if event.kind == "ended"]
+    ended = [event.text for event in recording.messages("event") if event.kind == EventKind.ENDED]
     yield out + (side.finish(ended[0]) if ended else [])
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from bridge.recording.compare import Difference
 from bridge.recording.reader import Recording
 from bridge.wire.codec import Residual
-from bridge.wire.messages import Outgoing
+from bridge.wire.messages import EventKind, Outgoing
 
 MEASURED = ("position", "velocity", "p1", "p2", "p3")
 EVENTS = "event"
@@ -65,7 +65,7 @@ def events_apart(mine: Recording, recorded: Recording) -> str | None:
 
 
 def _events(recording: Recording) -> list[tuple[Any, ...]]:
-    found = [event for event in recording.messages(EVENTS) if event.kind != "refused"]
+    found = [event for event in recording.messages(EVENTS) if event.kind != EventKind.REFUSED]
     return [(e.stamp, e.kind, e.source, e.command, e.apply_at, e.applied_at, e.text) for e in found]
 
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
+from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
 
 Identity = tuple[int, int]  # source, sequence
@@ -31,11 +32,11 @@ class Latch(NamedTuple):
 def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     """All inputs of a recorded run in the order of their instants."""
     events, grid = recording.messages("event"), scenario.loop.grid()
-    refused = {(e.source, e.command) for e in events if e.kind == "refused"}
-    known = {(e.source, e.command): e.stamp - grid.daq for e in events if e.kind == "resumed"}
-    known |= {(e.source, e.command): e.applied_at for e in events if e.kind == "late"}
+    refused = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED}
+    known = {(e.source, e.command): e.stamp - grid.daq for e in events if e.kind == EventKind.RESUMED}
+    known |= {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
     latches, force = list(_latches(events, scenario, grid)), _in_force(recording, grid)
-    inputs = [Input(e.stamp - grid.daq, None) for e in events if e.kind == "reset"]
+    inputs = [Input(e.stamp - grid.daq, None) for e in events if e.kind == EventKind.RESET]
     reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
     for command in recording.messages("command"):
         name = command.source, command.sequence
@@ -52,8 +53,10 @@ def _latches(events: list[Any], scenario: Scenario, grid: Sampling) -> Iterator[
     if scenario.loop.after_timeout != "latch":
         return
     timeout = to_ns(scenario.loop.command_timeout)
-    for safe in (event for event in events if event.kind == "safe"):
-        resets = [event.stamp - grid.daq for event in events if event.kind == "reset" and event.stamp >= safe.stamp]
+    for safe in (event for event in events if event.kind == EventKind.SAFE):
+        resets = [
+            event.stamp - grid.daq for event in events if event.kind == EventKind.RESET and event.stamp >= safe.stamp
+        ]
         yield Latch(safe.applied_at - grid.sample - timeout, min(resets, default=1 << 62))
 
 

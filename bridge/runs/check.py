@@ -4,11 +4,13 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bridge.processes.options import RunOptions
 from bridge.recording.reader import read
-from bridge.runs.run import Outcome, RunRequest, run_scenario
+from bridge.runs.run import Outcome, run_scenario
 from bridge.scenario import Scenario
 from bridge.scenario.bands import parse_band, signal_with_unit, value_with_unit
 from bridge.scenario.circuit import circuit_of
+from bridge.wire.messages import Mode
 from controller.bands import END, START, Band, Metrics, WindowBand, judge
 from controller.grid import NS
 from controller.window import judge_window
@@ -31,6 +33,7 @@ class CheckResult(NamedTuple):
     faults: list[str]
     notes: list[str]  # what people should know, without being a failure
     recording: Path | None
+    interrupted: bool  # by somebody: what else was to be judged is not
 
     @property
     def passed(self) -> bool:
@@ -49,12 +52,14 @@ class CheckResult(NamedTuple):
         }
 
 
-def check_scenario(scenario: Scenario, mode: str, folder: Path) -> CheckResult:
+def check_scenario(scenario: Scenario, mode: Mode, folder: Path) -> CheckResult:
     """Run a scenario headless and judge it."""
     path = folder / f"{scenario.name}-check.mcap"
-    outcome = run_scenario(scenario, RunRequest(mode, 1.0, False, path, 10.0, False, None))
+    outcome = run_scenario(scenario, RunOptions(mode, path))
     verdicts = judge_run(outcome, scenario)
-    return CheckResult(scenario, verdicts, outcome.faults, outcome.summary["notes"], outcome.recording)
+    return CheckResult(
+        scenario, verdicts, outcome.faults, outcome.summary["notes"], outcome.recording, outcome.interrupted
+    )
 
 
 def junit_xml(results: list[CheckResult]) -> str:

@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bridge.scenario import Scenario
+from bridge.wire.messages import Phase
 
 EVERY = 200  # ticks between two looks in process
 
@@ -33,7 +34,7 @@ class Progress:
     def tick(self, number: int) -> None:
         """In process: how far it has come."""
         if self._on and number % EVERY == 0:
-            self.show({"tick": number, "ticks": self.scenario.ticks, "phase": "running"})
+            self.show({"tick": number, "ticks": self.scenario.ticks, "phase": Phase.RUNNING})
 
     def show(self, values: dict[str, Any]) -> None:
         """Draw the numbers of a status."""

@@ -17,9 +17,10 @@ from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
 from bridge.view.rig.stage import LINE_ENDS, Stage, stage
 from bridge.view.timeline import time_column
+from bridge.wire.messages import EventKind
 
 APPLICATION = "hydrotwin"
-GRAVE = ("late", "refused", "safe")  # kinds of events that a run should not have
+GRAVE = (EventKind.LATE, EventKind.REFUSED, EventKind.SAFE)  # kinds of events that a run should not have
 
 
 def write(recording: Recording, path: Path) -> Path:

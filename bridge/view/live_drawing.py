@@ -16,6 +16,7 @@ from bridge.view.layout import layout
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
 from bridge.view.rig.stage import LINE_ENDS
+from bridge.wire.messages import EventKind, Mode
 from controller.grid import NS
 
 SPAN = 10.0  # [s], of the maps and curves
@@ -36,7 +37,7 @@ class Drawing:
         self._profiles: deque[Any] = deque(maxlen=max(2, round(SPAN / scenario.loop.viewer_period)))
         self._states: list[Entry] = []
         self._drawn = -REDRAWN
-        self._begin(manifest["mode"] == "realtime", bare)
+        self._begin(manifest["mode"] == Mode.REALTIME, bare)
 
     def _begin(self, wall: bool, bare: bool) -> None:
         topics = {*WATCHED} if wall else {*WATCHED} - {"timing"}
@@ -53,7 +54,7 @@ class Drawing:
         batch = recording(self._head.path, entries, {})
         self._draw_curves(batch)
         send_events(self.stream, batch)
-        self.over = self.over or any(event.kind == "ended" for event in batch.messages("event"))
+        self.over = self.over or any(event.kind == EventKind.ENDED for event in batch.messages("event"))
         self._draw_rig(entries)
 
     def _draw_curves(self, batch: Recording) -> None:

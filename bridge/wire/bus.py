@@ -16,7 +16,7 @@ import zenoh
 
 from bridge.wire.codec import Status, encode, ready
 from bridge.wire.link import Link, open_session
-from bridge.wire.messages import TOPICS, Outgoing, Topic, encoding
+from bridge.wire.messages import TOPICS, Outgoing, Phase, Topic, encoding
 
 STAMP = struct.Struct("<qQ")  # attachment: log time, sequence
 Receiver = Callable[[Any], None]  # takes a Zenoh sample
@@ -73,7 +73,7 @@ class Bus:
         self._publishers[message.topic].put(encode(message.message) if payload is None else payload, attachment=stamp)
 
     def publish_status(
-        self, run_id: int, stamp: int, phase: str, values: dict[str, float], text: str = "", final: bool = False
+        self, run_id: int, stamp: int, phase: Phase, values: dict[str, float], text: str = "", final: bool = False
     ) -> None:
         """Say how this process is doing; the last word waits for its readers, others do not."""
         names, numbers = list(values), [float(value) for value in values.values()]

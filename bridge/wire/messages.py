@@ -6,12 +6,92 @@ Payloads are ROS 2 messages in CDR. Those of the loop are flat: 8-byte fields af
 
 import re
 from collections.abc import Iterator
+from enum import StrEnum
 from functools import cache
 from typing import Any, NamedTuple
 
 from twin.topology import HOLLOWS, OBSERVED, PLACES
 
 PACKAGE = "hydrotwin_msgs/msg"
+
+
+class Mode(StrEnum):
+    """What paces the loop."""
+
+    INPROCESS = "inprocess"
+    LOCKSTEP = "lockstep"
+    REALTIME = "realtime"
+
+
+class Phase(StrEnum):
+    """How a process is doing, as its status says."""
+
+    RUNNING = "running"
+    SAFE = "safe"
+    ENDED = "ended"
+    INTERRUPTED = "interrupted"
+    FAILED = "failed"
+
+
+GOING = (Phase.RUNNING, Phase.SAFE)  # the others are last words
+
+
+class EventKind(StrEnum):
+    """What has happened to a plant."""
+
+    STARTED = "started"
+    ENDED = "ended"
+    LATE = "late"
+    REFUSED = "refused"
+    SAFE = "safe"
+    RESET = "reset"
+    RESUMED = "resumed"
+
+
+class Reason(StrEnum):
+    """Why a command was refused."""
+
+    UNDECODABLE = "undecodable"
+    LATCHED = "latched"
+    FOREIGN_RUN = "foreign run"
+    NOT_FINITE = "not finite"
+    OUT_OF_RANGE = "out of range"
+    SECOND_CONTROLLER = "second controller"
+    OUT_OF_ORDER = "out of order"
+    STALE = "stale"
+    IMPOSSIBLE_TIME = "impossible time"
+    FAR_FUTURE = "far future"
+    OFF_THE_GRID = "off the grid"
+
+
+class Ending(StrEnum):
+    """How a run came to its end."""
+
+    COMPLETE = "complete"
+    INTERRUPTED = "interrupted"
+    FAILED = "failed"
+    CUT_OFF = "cut off"  # the recording does not say
+
+
+def refusal(reason: Reason, text: str) -> str:
+    """The text of a `refused` event."""
+    return f"{reason}: {text}"
+
+
+def reason_of(event: Any) -> str:
+    """The reason in a `refused` event."""
+    return event.text.partition(":")[0]
+
+
+def last_words(ending: Ending, ticks: int, reason: str = "") -> str:
+    """The text of an `ended` event."""
+    return f"{ending}{f': {reason}' if reason else ''} after {ticks} ticks"
+
+
+def ending_of(text: str) -> Ending:
+    """How a run ended, by the text of its `ended` event or of its summary."""
+    return next((ending for ending in Ending if text.startswith(ending)), Ending.CUT_OFF)
+
 
 LOOP_MESSAGES: dict[str, str] = {
     "Measurement": """\

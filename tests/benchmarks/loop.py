@@ -5,9 +5,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bridge.loop.exchange import exchange, sides
+from bridge.processes.options import RunOptions
 from bridge.runs.in_process import record_in_process
-from bridge.runs.run import RunRequest, run_scenario
+from bridge.runs.run import run_scenario
 from bridge.scenario import load
+from bridge.wire.messages import Mode
 from tests.benchmarks.plant import Row
 
 FAST = ["loop.sample_period=0.001", "loop.delay=0", "duration=10"]
@@ -31,7 +33,7 @@ def rows(folder: Path) -> Iterator[Row]:
 def _lockstep(scenario, path: Path) -> float:
     """Wall seconds of a whole run; the difference of two lengths is free of the start."""
     start = time.perf_counter()
-    outcome = run_scenario(scenario, RunRequest("lockstep", 1.0, False, path, 10.0, False, None))
+    outcome = run_scenario(scenario, RunOptions(Mode.LOCKSTEP, path))
     assert not outcome.faults, outcome.faults
     return time.perf_counter() - start
 

@@ -7,13 +7,14 @@ from pathlib import Path
 from mcap.writer import CompressionType, Writer
 
 from bridge.loop.exchange import exchange, sides
+from bridge.processes.options import RunOptions
 from bridge.processes.recorder.order import Order
 from bridge.recording.reader import read
 from bridge.recording.writer import RecordingWriter
-from bridge.runs.run import RunRequest, run_scenario
+from bridge.runs.run import run_scenario
 from bridge.scenario import load
 from bridge.wire.codec import encode
-from bridge.wire.messages import TOPICS
+from bridge.wire.messages import TOPICS, Mode
 from tests.benchmarks.plant import Row
 
 
@@ -30,7 +31,7 @@ def rows(folder: Path) -> Iterator[Row]:
     yield "reading it back", f"{len(messages) / reading:,.0f} messages/s", f"{10 / reading:.0f} x real time", ""
     yield "size of a recording", f"{size:.1f} MB a minute", "", ""
     changes = ["duration=20", "loop.sample_period=0.001", "real_time.overruns=100000", "real_time.length=10"]
-    run = RunRequest("realtime", 1.0, False, folder / "run.mcap", 10.0, False, None)
+    run = RunOptions(Mode.REALTIME, folder / "run.mcap")
     lost = sum(run_scenario(load("step", changes), run).summary["lost"].values())
     facts = read(folder / "run.mcap", ()).metadata["recorder"]
     yield "recorder beside a loop at 1 kHz", f"{100 * facts['processor_share']:.1f} % of a core", f"{lost} lost", ""

@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from bridge.machine.clock import ticks
 from bridge.machine.process import prepare
-from bridge.runs.run import RunRequest, run_scenario
+from bridge.processes.options import RunOptions
+from bridge.runs.run import run_scenario
 from bridge.scenario import load
 from bridge.wire.link import free_endpoint
+from bridge.wire.messages import Mode
 from tests.benchmarks.plant import Row
 
 SECONDS = 20
@@ -54,7 +56,7 @@ def _counts(summary: dict[str, Any]) -> str:
 
 
 def _run(folder: Path, *changes: str) -> dict[str, Any]:
-    request = RunRequest("realtime", 1.0, False, folder / "rt.mcap", 10.0, False, None)
+    request = RunOptions(Mode.REALTIME, folder / "rt.mcap")
     return run_scenario(load("step", [*changes, "real_time.overruns=100000"]), request).summary
 
 

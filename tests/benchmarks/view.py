@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from bridge.runs.run import RunRequest, run_scenario
+from bridge.processes.options import RunOptions
+from bridge.runs.run import run_scenario
 from bridge.scenario import load
 from bridge.wire.link import free_endpoint
+from bridge.wire.messages import Mode
 from tests.benchmarks.plant import Row
 
 TURNS = 4
@@ -43,7 +45,7 @@ def _rows(folder: Path, fifo: bool, priority: str) -> Iterator[Row]:
 
 def _run(folder: Path, fifo: bool, watch: bool) -> dict[str, Any]:
     endpoint = free_endpoint()
-    request = RunRequest("realtime", 1.0, fifo, folder / "view.mcap", 10.0, False, endpoint)
+    request = RunOptions(Mode.REALTIME, folder / "view.mcap", fifo=fifo, listen=endpoint)
     with _watching(endpoint if watch else None):
         return run_scenario(load("step", CHANGES), request).summary
 

@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bridge.processes.options import RunOptions
 from bridge.recording.reader import read
-from bridge.runs.run import RunRequest, run_scenario
+from bridge.runs.run import run_scenario
 from bridge.scenario import Scenario, load
 from bridge.studies.stability.criterion import Swing
 from bridge.studies.stability.probe import (
@@ -18,6 +19,7 @@ from bridge.studies.stability.probe import (
 from bridge.studies.stability.rig_loop import edge_of, timing_of
 from bridge.studies.stability.rig_plant import at_rest, plants
 from bridge.studies.stability.trial import Trace, trial
+from bridge.wire.messages import Mode
 from controller.law import per_metre
 
 SIZE = 20e-3  # [m], a step of figure 5.21
@@ -30,7 +32,7 @@ def rig(interval: float, delay: float) -> Scenario:
 
 def through_the_wire(asked: Scenario, file: Path) -> Trace:
     """The true course of a run in lockstep, a row a tick."""
-    outcome = run_scenario(asked, RunRequest("lockstep", 1.0, False, file, 20.0, False, None))
+    outcome = run_scenario(asked, RunOptions(Mode.LOCKSTEP, file, patience=20.0))
     assert not outcome.faults
     columns = read(file, ("state",)).columns("state")
     return Trace(columns["stamp"] / 1e9, columns["position"], columns["spool"])

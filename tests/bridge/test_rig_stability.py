@@ -8,9 +8,10 @@ import pytest
 from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
+from bridge.processes.options import RunOptions
 from bridge.runs.check import check_scenario
 from bridge.runs.in_process import record_in_process
-from bridge.runs.run import RunRequest, run_scenario
+from bridge.runs.run import run_scenario
 from bridge.scenario import ScenarioError, load, names
 from bridge.studies.stability.advice import advise, refuse_other_loops
 from bridge.studies.stability.causes import with_causes
@@ -24,6 +25,7 @@ from bridge.studies.stability.rig_loop import (
 )
 from bridge.studies.stability.rig_plant import plants
 from bridge.studies.stability.trial import stand, trial
+from bridge.wire.messages import Mode
 
 SQRT2 = math.sqrt(2.0)
 
@@ -107,7 +109,7 @@ def test_every_loop_of_a_built_in_scenario_is_known_or_open():
 @pytest.mark.parametrize("name", KNOWN)
 def test_advice_agrees_with_what_check_finds(name, tmp_path):
     scenario = load(name, ["duration=6"])
-    advice, outcome = advise(scenario), check_scenario(scenario, "inprocess", tmp_path)
+    advice, outcome = advise(scenario), check_scenario(scenario, Mode.INPROCESS, tmp_path)
     swings = [verdict for verdict in outcome.verdicts if "limit cycle" in verdict.text]
     assert outcome.passed
     if advice["verdict"] == "unstable":
@@ -135,7 +137,7 @@ def test_loops_without_theory_are_refused():
 
 def test_summary_places_the_run_and_compares_frequencies(tmp_path):
     scenario = load("slow-sampling", ["duration=5"])
-    outcome = run_scenario(scenario, RunRequest("inprocess", 1.0, False, tmp_path / "a.mcap", 10.0, False, None))
+    outcome = run_scenario(scenario, RunOptions(Mode.INPROCESS, tmp_path / "a.mcap"))
     at = outcome.summary["stability"]
     assert at["verdict"] == "unstable"
     assert at["found_frequency"] == pytest.approx(5.0, rel=0.01)
@@ -143,7 +145,7 @@ def test_summary_places_the_run_and_compares_frequencies(tmp_path):
     assert (
         run_scenario(
             load("hold-load", ["duration=1"]),
-            RunRequest("inprocess", 1.0, False, tmp_path / "b.mcap", 10.0, False, None),
+            RunOptions(Mode.INPROCESS, tmp_path / "b.mcap"),
         ).summary["stability"]
         is None
     )
@@ -153,7 +155,7 @@ def test_summary_places_the_run_and_compares_frequencies(tmp_path):
 def test_a_derivative_gain_destabilises_a_stable_loop(derivative, oscillates, tmp_path):
     """hydrotwin run slow-sampling --set controller.gain=0.5 --set controller.derivative=0.03"""
     scenario = load("slow-sampling", ["controller.gain=0.5", f"controller.derivative={derivative}", "duration=5"])
-    outcome = run_scenario(scenario, RunRequest("inprocess", 1.0, False, tmp_path / "a.mcap", 10.0, False, None))
+    outcome = run_scenario(scenario, RunOptions(Mode.INPROCESS, tmp_path / "a.mcap"))
     found = outcome.summary["metrics"]["limit_cycle_frequency"]
     assert found == pytest.approx(5.0 if oscillates else 0.0, abs=0.1)
     assert advise(scenario)["verdict"] == ("unstable" if oscillates else "stable")

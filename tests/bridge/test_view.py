@@ -37,10 +37,12 @@ UNITS = {  # of what a picture shows, in SI
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short recording, made without middleware."""
-    from bridge.runs.run import RunRequest, run_scenario
+    from bridge.processes.options import RunOptions
+    from bridge.runs.run import run_scenario
+    from bridge.wire.messages import Mode
 
     path = tmp_path_factory.mktemp("view") / "short.mcap"
-    run_scenario(load("step", ["duration=0.6 s"]), RunRequest("inprocess", 0.0, False, path, 10.0, False, None))
+    run_scenario(load("step", ["duration=0.6 s"]), RunOptions(Mode.INPROCESS, path))
     return path
 
 

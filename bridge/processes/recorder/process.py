@@ -20,7 +20,7 @@ from bridge.processes.recorder.run_file import (
 )
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.link import Link
-from bridge.wire.messages import TOPICS
+from bridge.wire.messages import TOPICS, Phase
 
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
 YIELDING = 5  # niceness: the loop's own processes come first
@@ -83,14 +83,14 @@ class RecorderProcess:
         file.flush_by_time()
         if well and file.refusal is not None:
             print(f"{NOTE}{file.refusal}", file=sys.stderr, flush=True)
-            self.bus.publish_status(file.run_id, file.stamp, "failed", {}, file.refusal)
+            self.bus.publish_status(file.run_id, file.stamp, Phase.FAILED, {}, file.refusal)
         return file
 
     def _close(self, file: RunFile) -> list[Path]:
         file.close(self._facts())
         unwritten = float(sum(file.unwritten.values()))
         lost = {"lost": float(sum(file.losses().values())), "unwritten": unwritten}
-        phase = "failed" if file.refusal else "ended"
+        phase = Phase.FAILED if file.refusal else Phase.ENDED
         self.bus.publish_status(file.run_id, file.stamp, phase, lost, file.refusal or "", final=True)
         if file.refusal:
             raise RunError(f"{file.refusal} ({unwritten:.0f} messages are not in it)")

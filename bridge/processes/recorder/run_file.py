@@ -18,7 +18,7 @@ from bridge.recording.tally import Tally
 from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
 from bridge.wire.codec import decode
-from bridge.wire.messages import SOURCED, TOPICS
+from bridge.wire.messages import GOING, SOURCED, TOPICS, EventKind, Mode
 from controller.grid import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
@@ -62,7 +62,7 @@ class RunFile:
         self.refusal: str | None = None  # of the disk
         self.unwritten: Counter[str] = Counter()  # messages per topic that came and are in no file
         self._ending: str | None = None  # the plant's own words, also where events are not recorded
-        self._live = manifest["mode"] != "lockstep"  # a replay is, too
+        self._live = manifest["mode"] != Mode.LOCKSTEP  # a replay is, too
         self._flushed = time.monotonic_ns()
         self._order = Order(self.scenario.loop.grid())
         self._ring = Ring(request.window) if request.window else None
@@ -129,7 +129,7 @@ class RunFile:
             self.tally.add(topic, getattr(message, "source", 0) * (topic in SOURCED), sequence)
         if topic == "measurement":
             self.stamp = max(self.stamp, message.stamp)
-        if topic == "event" and message.kind == "ended":
+        if topic == "event" and message.kind == EventKind.ENDED:
             self._ending = message.text
         if topic == "event" and message.kind in self.request.triggers:
             self.trigger(message.stamp)
@@ -206,7 +206,7 @@ class RunFile:
         if counts:
             self.announced.add(status.role)
             self.tally.announce({name: n for name, n in counts.items() if self.request.wants(name) or name in ORDERING})
-        if status.role == "plant" and status.phase not in ("running", "safe"):
+        if status.role == "plant" and status.phase not in GOING:
             self.ended_at = time.monotonic()
 
 
