@@ -36,8 +36,9 @@ class ControllerSide:
         sequence = self.published["command"]
         self.published = {"command": sequence + 1, "reference": sequence + 1}
         position = target.position if self.follows else math.nan
-        command = ValveCommand(m.run_id, self.source, sequence, stamp, stamp + self.grid.delay, spool)
-        wanted = Reference(m.run_id, self.source, sequence, stamp, position, target.velocity)
+        own = {"run_id": m.run_id, "source": self.source, "sequence": sequence}
+        command = ValveCommand(**own, sample_stamp=stamp, apply_at=stamp + self.grid.delay, spool=spool)
+        wanted = Reference(**own, stamp=stamp, position=position, velocity=target.velocity)
         return [Outgoing("command", stamp, sequence, command), Outgoing("reference", stamp, sequence, wanted)]
 
     def decide(self, sample: Sample) -> tuple[float, Target]:

@@ -24,5 +24,13 @@ class LineProfiles:
         """What stands along the lines in a flat state."""
         along_lines(state, *self._circuit, XI, self._pressure, self._cavity)
         pressure, cavity = self._pressure.ravel().copy(), self._cavity.copy()
-        profile = LineProfile(self._run_id, sequence, tick, stamp, PLACES, pressure, cavity)
+        profile = LineProfile(
+            run_id=self._run_id,
+            sequence=sequence,
+            tick=tick,
+            stamp=stamp,
+            places=PLACES,
+            pressure=pressure,
+            cavity=cavity,
+        )
         return Outgoing("lines", stamp, sequence, profile)

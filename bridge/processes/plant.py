@@ -114,8 +114,8 @@ class PlantProcess:
         return True
 
     def _silence(self, stamp: int) -> str:
-        refused = sum(self.side.gate.refused.values())
-        reasons = ", ".join(f"{count} {reason}" for reason, count in self.side.gate.refused.items())
+        refused = sum(self.side.inlet.refused.values())
+        reasons = ", ".join(f"{count} {reason}" for reason, count in self.side.inlet.refused.items())
         also = f"; {refused} commands were refused: {reasons}" if refused else ""
         return (
             f"the controller has not answered the measurement of tick {stamp // self.side.grid.daq} "
@@ -184,7 +184,16 @@ class PlantProcess:
 
     def _time(self, lateness: int, cost: int, trip: int, slack: int) -> None:
         side = self.side
-        timing = LoopTiming(side.run_id, self._timings, side.tick_number, side.now, lateness, cost, trip, slack)
+        timing = LoopTiming(
+            run_id=side.run_id,
+            sequence=self._timings,
+            tick=side.tick_number,
+            stamp=side.now,
+            lateness=lateness,
+            cost=cost,
+            round_trip=trip,
+            slack=slack,
+        )
         self.bus.publish(Outgoing("timing", side.now, self._timings, timing))
         self._timings += 1
 
@@ -192,7 +201,7 @@ class PlantProcess:
         if now < self._status_due:
             return False
         self._status_due = now + STATUS_PERIOD
-        self._report(Phase.SAFE if self.side.watchdog.safe else Phase.RUNNING, "", extra)
+        self._report(Phase.SAFE if self.side.inlet.safe else Phase.RUNNING, "", extra)
         return True
 
     def _report(self, phase: Phase, text: str, extra: dict[str, float], final: bool = False) -> None:
@@ -200,14 +209,14 @@ class PlantProcess:
         values: dict[str, float] = {
             "tick": side.tick_number,
             "ticks": self.scenario.ticks,
-            "commands": side.gate.accepted,
-            "late": side.late,
-            "worst_late": side.worst_lateness / NS,
-            "safe_states": side.watchdog.trips,
+            "commands": side.inlet.accepted,
+            "late": side.inlet.late,
+            "worst_late": side.inlet.worst_lateness / NS,
+            "safe_states": side.inlet.safe_states,
         }
         if m is not None:
-            values |= {"position": m.position, "p1": m.p1, "p2": m.p2, "p3": m.p3, "spool": side.hold.value}
-        values |= {f"refused/{reason}": count for reason, count in side.gate.refused.items()}
+            values |= {"position": m.position, "p1": m.p1, "p2": m.p2, "p3": m.p3, "spool": side.inlet.value}
+        values |= {f"refused/{reason}": count for reason, count in side.inlet.refused.items()}
         values |= extra
         if final:
             counts = side.published | {"timing": self._timings}

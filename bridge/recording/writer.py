@@ -5,7 +5,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, cast
@@ -14,9 +14,10 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Metadata
 from mcap.writer import CompressionType, Writer
 
+from bridge.recording.reader import Entry
 from bridge.recording.sink import Sink
-from bridge.wire.codec import type_hash
-from bridge.wire.messages import TOPICS, definition
+from bridge.wire.codec import encode, type_hash
+from bridge.wire.messages import TOPICS, Outgoing, definition
 from controller.grid import NS
 
 CHUNK = 8 * 1024 * 1024  # bytes; flushing by time closes them long before
@@ -62,6 +63,16 @@ class RecordingWriter:
         self.pending[topic] += 1
         begin, end = self.span or (log_time, log_time)
         self.span = min(begin, log_time), max(end, log_time)
+
+    def instant(self, messages: Iterable[Outgoing]) -> list[Entry]:
+        """Append what belongs to one instant, in the order of a lockstep recording."""
+        ordered = sorted(messages, key=lambda m: (m.log_time, m.topic, m.sequence))
+        entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in ordered]
+        for entry in entries:
+            self.write(*entry)
+        if entries:
+            self.flush_by(min(entry.log_time for entry in entries))
+        return entries
 
     def metadata(self, name: str, values: Mapping[str, Any]) -> None:
         """Add a named record of facts about the run; values that are no text are written as JSON."""

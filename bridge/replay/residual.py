@@ -47,7 +47,7 @@ class Residuals:
         apart = dict.fromkeys((*MEASURED, "spool"), math.nan)
         names = MEASURED if outgoing.topic == "measurement" else ("spool",)
         apart |= {name: getattr(outgoing.message, name) - getattr(recorded, name) for name in names}
-        message = Residual(self._run_id, self._count, outgoing.log_time, *apart.values())
+        message = Residual(run_id=self._run_id, sequence=self._count, stamp=outgoing.log_time, **apart)
         self._count += 1
         return Outgoing("residual", outgoing.log_time, message.sequence, message)
 

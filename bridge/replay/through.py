@@ -19,7 +19,6 @@ from bridge.replay.residual import Residuals, Verdict, events_apart
 from bridge.scenario import Scenario, changed
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.bus import Bus
-from bridge.wire.codec import encode
 from bridge.wire.link import Link, free_endpoint
 from bridge.wire.messages import Outgoing
 
@@ -68,7 +67,7 @@ def _written(writer: RecordingWriter, replayed: Generator[list[Outgoing], None, 
     try:
         with closing(replayed):
             for messages in replayed:
-                entries += _write(writer, messages)
+                entries += writer.instant(messages)
                 if stop.listen()():
                     raise RunError(f"interrupted: {writer.path} holds what was replayed so far")
     except RunError:
@@ -121,19 +120,6 @@ def _through(recording: Recording, scenario: Scenario, into: str, bus: Bus, endp
 def _with_residuals(messages: list[Outgoing], residuals: Residuals) -> list[Outgoing]:
     found = (residuals.of(message) for message in messages)
     return [*messages, *(residual for residual in found if residual is not None)]
-
-
-def _write(writer: RecordingWriter, messages: list[Outgoing]) -> list[Entry]:
-    entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in sorted(messages, key=_place)]
-    for entry in entries:
-        writer.write(*entry)
-    if messages:
-        writer.flush_by(messages[0].log_time)
-    return entries
-
-
-def _place(message: Outgoing) -> tuple[int, str, int]:
-    return message.log_time, message.topic, message.sequence
 
 
 def _judge(recorded: Recording, replayed: Recording, request: Through) -> Verdict:

@@ -10,8 +10,6 @@ from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.summary import summarise
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario
-from bridge.wire.codec import encode
-from bridge.wire.messages import Outgoing
 
 
 def record_in_process(
@@ -28,7 +26,7 @@ def record_in_process(
     entries: list[Entry] = []
     try:
         for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
-            entries += _write(writer, messages)
+            entries += writer.instant(messages)
             progress(tick)
     except RunError:
         writer.close()
@@ -37,16 +35,3 @@ def record_in_process(
     writer.metadata("summary", summary)
     writer.close()
     return recording(path, entries, {"run": head, "summary": summary})
-
-
-def _write(writer: RecordingWriter, messages: list[Outgoing]) -> list[Entry]:
-    """Write what belongs to one instant, in the order of a lockstep recording."""
-    entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in sorted(messages, key=_place)]
-    for topic, log_time, sequence, payload in entries:
-        writer.write(topic, log_time, sequence, payload)
-    writer.flush_by(messages[0].log_time)
-    return entries
-
-
-def _place(message: Outgoing) -> tuple[int, str, int]:
-    return message.log_time, message.topic, message.sequence

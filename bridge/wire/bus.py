@@ -77,7 +77,17 @@ class Bus:
     ) -> None:
         """Say how this process is doing; the last word waits for its readers, others do not."""
         names, numbers = list(values), [float(value) for value in values.values()]
-        status = Status(run_id, self._status, stamp, self.role, phase, os.getpid(), names, np.array(numbers), text)
+        status = Status(
+            run_id=run_id,
+            sequence=self._status,
+            stamp=stamp,
+            role=self.role,
+            phase=phase,
+            pid=os.getpid(),
+            names=names,
+            values=np.array(numbers),
+            text=text,
+        )
         publisher = self._last_words if final else self._publishers["status"]
         publisher.put(encode(status), attachment=STAMP.pack(stamp, self._status))
         self._status += 1

@@ -57,7 +57,7 @@ def test_a_command_acts_at_its_own_instant_inside_a_block():
     run_block(state, 0.0, *compiled(circuit), 7, taps, seen)
     run_block(state, 0.8, *compiled(circuit), 13, taps, seen)
     assert np.array_equal(state, side._state)
-    assert np.array_equal(taps, side._taps)
+    assert np.array_equal(taps, side._acquisition.taps)
 
 
 def test_the_true_state_is_what_was_observed_at_the_end_of_the_block():
@@ -93,14 +93,14 @@ def test_bad_commands_are_counted_recorded_and_change_nothing(reason):
     side = plant()
     disturbed = payloads(side, 60, meddle)
     assert disturbed == payloads(plant(), 60)
-    assert side.gate.refused == {reason: 11}
+    assert side.inlet.refused == {reason: 11}
 
 
 def test_a_message_of_another_type_is_refused():
     side = plant()
     good = encode(command(0, 0, 0, 0.5))
     assert side.receive(good, "std_msgs/msg/String") is None
-    assert side.gate.refused == {"undecodable": 1}
+    assert side.inlet.refused == {"undecodable": 1}
     assert side.receive(good, "hydrotwin_msgs/msg/ValveCommand") is not None
 
 
@@ -111,7 +111,7 @@ def test_refusals_are_recorded_one_by_one_until_there_are_too_many():
     events = [m.message for m in side.tick() if m.topic == "event"]
     assert len(events) == 100
     assert "only counted" in events[-1].text
-    assert side.gate.refused == {"undecodable": 300}
+    assert side.inlet.refused == {"undecodable": 300}
 
 
 def test_a_late_command_acts_from_the_last_integrated_instant_and_says_so():
@@ -126,8 +126,8 @@ def test_a_late_command_acts_from_the_last_integrated_instant_and_says_so():
     assert np.array_equal(late._state, prompt._state)
     event = next(m.message for m in messages if m.topic == "event")
     assert (event.kind, event.apply_at, event.applied_at) == ("late", 6 * MS, 10 * MS)
-    assert late.late == 1
-    assert late.worst_lateness == 4 * MS
+    assert late.inlet.late == 1
+    assert late.inlet.worst_lateness == 4 * MS
 
 
 def test_silence_centres_the_valve_within_the_timeout_and_a_tick():
@@ -153,10 +153,10 @@ def test_a_backlog_from_before_the_safe_state_does_not_act():
         side.tick()
     for k in range(1, 4):
         assert not side.take(command(k, k * 10 * MS // 2, k * 10 * MS // 2, 0.9))
-    assert side.gate.refused == {"stale": 3}
+    assert side.inlet.refused == {"stale": 3}
     side.tick()
-    assert side.hold.value == 0.0
-    assert side.watchdog.trips == 1
+    assert side.inlet.value == 0.0
+    assert side.inlet.safe_states == 1
 
 
 @pytest.mark.parametrize(("policy", "taken"), [("latch", False), ("resume", True)])
@@ -169,14 +169,14 @@ def test_after_the_timeout_the_plant_latches_or_resumes_as_configured(policy, ta
     side.reset()
     assert side.take(command(2, 50 * MS, 50 * MS, 0.3)) is True
     side.tick()
-    assert side.hold.value == 0.3
+    assert side.inlet.value == 0.3
 
 
 def test_before_the_first_command_nothing_times_out():
     side = plant("loop.command_timeout=0.01")
     for _ in range(100):
         side.tick()
-    assert not side.watchdog.safe
+    assert not side.inlet.safe
 
 
 def test_lockstep_knows_which_sample_it_waits_for():

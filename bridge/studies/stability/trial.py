@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.loop.acquisition import Acquisition
 from bridge.loop.controller import ControllerSide
-from bridge.loop.plant import SAFE, card_of
+from bridge.loop.inlet import SAFE
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
 from controller.grid import NS, Sampling, is_sample
@@ -20,7 +21,6 @@ from controller.law import Sample
 from twin.circuit.block import Compiled, compiled, run_block
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten
-from twin.sensors import NOISE_ROWS, acquire, noise_block
 from twin.topology import OBSERVED
 
 ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
@@ -78,26 +78,18 @@ class _Loop:
 
     def __init__(self, scenario: Scenario, on: Stand, grid: Sampling) -> None:
         self.scenario, self.grid, self.circuit = scenario, grid, on.circuit
-        self.state, self.taps = on.rest.copy(), np.zeros((2, 5))
-        self.seen, self.reading = np.zeros(len(OBSERVED)), np.zeros(5)
-        self.controller, self.hold, self.card = ControllerSide(scenario, 1), Hold(SAFE), card_of(scenario)
-        self.block = 0, noise_block(scenario.seed, 0)
+        self.state, self.acquisition = on.rest.copy(), Acquisition(scenario)
+        self.seen = np.zeros(len(OBSERVED))
+        self.controller, self.hold = ControllerSide(scenario, 1), Hold(SAFE)
         self._advance(SAFE, 0)
-        self.taps[0] = self.taps[1]
+        self.acquisition.taps[0] = self.acquisition.taps[1]
 
     def sample(self, now: int, tick: int) -> None:
         """Read the card and put the answer into the hold, if this is a sampling instant."""
         if not is_sample(now, self.grid):
             return
-        acquire(self.taps, self._noise(tick), self.card, self.grid.step / NS, self.reading)
-        spool, _ = self.controller.decide(Sample(now, *self.reading.tolist()))
+        spool, _ = self.controller.decide(Sample(now, *self.acquisition.read(tick).tolist()))
         self.hold.put(now + self.grid.delay, spool)
-
-    def _noise(self, tick: int) -> Array:
-        number, row = divmod(tick, NOISE_ROWS)
-        if self.block[0] != number:
-            self.block = number, noise_block(self.scenario.seed, number)
-        return self.block[1][row]
 
     def run(self, begin: int, end: int) -> None:
         """The plant from one row to the next."""
@@ -105,4 +97,4 @@ class _Loop:
             self._advance(segment.value, (segment.end - segment.begin) // self.grid.step)
 
     def _advance(self, reference: float, steps: int) -> None:
-        run_block(self.state, reference, *self.circuit, steps, self.taps, self.seen)
+        run_block(self.state, reference, *self.circuit, steps, self.acquisition.taps, self.seen)
