@@ -48,10 +48,12 @@ def _timing_rows(timing: dict[str, Any]) -> list[list[str]]:
 
 def _stability(summary: dict[str, Any]) -> list[str]:
     """Where the run stands among the stable gains."""
+    found = summary.get("stability")
+    if not found:
+        return []
     from bridge.studies.stability.operating import sentences
 
-    found = summary.get("stability")
-    return [f"{word:11}{line}" for word, line in zip(("gain", ""), sentences(found), strict=True)] if found else []
+    return [f"{word:11}{line}" for word, line in zip(("gain", ""), sentences(found), strict=True)]
 
 
 def _counts(summary: dict[str, Any]) -> Iterable[str]:
