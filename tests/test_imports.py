@@ -1,33 +1,129 @@
-"""Imports run one way: bridge -> controller -> twin; the pure packages touch neither clock, network nor disk."""
+"""Imports run downwards: each room stands on a level and knows only rooms below; no cycle within a level.
+
+`python -m tests.test_imports` prints the levels that the code has.
+"""
 
 import ast
 from collections.abc import Iterator
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
-OURS = ("twin", "controller", "bridge")
-ALLOWED = {"twin": {"twin"}, "controller": {"controller", "twin"}, "bridge": set(OURS)}
-LAWS = ("law", "reference", "hold", "metrics", "grid")
+COMPONENTS = (
+    *("oil", "orifice", "port", "contact", "fitting", "seal", "load", "pump", "cylinder", "lands"),
+    *("spool_valve", "switching_valve", "sensors"),
+)
+LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
+    "twin": (
+        ("topology", "rig", "cache_folder", "compiled_code"),
+        ("kernel",),
+        COMPONENTS,
+        ("seats", "lines"),
+        ("relief",),
+        ("circuit",),
+        ("chatter",),
+    ),
+    "controller": (
+        ("bands", "grid", "hold", "law", "metrics", "reference", "window"),
+        ("stability",),
+        ("stability.actuator",),
+        ("stability.orbits",),
+    ),
+    "bridge": (
+        ("errors", "drawing"),
+        ("wire",),
+        ("scenario", "machine"),
+        ("loop", "recording"),
+        ("processes", "view", "studies", "connect"),
+        ("runs", "replay", "figures"),
+        ("report", "panel"),
+        ("cli",),
+        ("__main__",),
+    ),
+}
+ORDER = ("twin", "controller", "bridge")  # of the packages: each may use those before it
+SHARED = {COMPONENTS, LEVELS["controller"][0]}  # levels whose rooms may know one another
+MOST_FILES = 4  # at the top of `bridge`
+LAWS = LEVELS["controller"][0]
 IMPURE = {"time", "socket", "subprocess", "zenoh", "mcap", "rich", "typer", "threading", "datetime", "random"}
+Edges = dict[str, set[str]]  # room: those it imports
 
 
-def imported(path: Path) -> Iterator[str]:
-    """Every module that a file imports, anywhere in it."""
+@cache
+def imported(path: Path) -> frozenset[str]:
+    """Every module that a file imports, anywhere in it, and every name that may be a module of one."""
+    return frozenset(_imported(path))
+
+
+def _imported(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative import"
             yield node.module or ""
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-@pytest.mark.parametrize("package", OURS)
-def test_imports_run_one_way(package: str):
+def room_of(module: str, package: str) -> str | None:
+    """The room of a module: the longest name in the table that it begins with; None for the package itself."""
+    below = module.removeprefix(f"{package}.")
+    rooms = [room for level in LEVELS[package] for room in level]
+    found = [room for room in rooms if below == room or below.startswith(f"{room}.")]
+    return max(found, key=len, default=None) if module.startswith(f"{package}.") else None
+
+
+def edges(package: str) -> Edges:
+    """Which room imports which; a file that belongs to none is a mistake."""
+    found: Edges = {}
+    for path in sorted((ROOT / package).rglob("*.py")):
+        module = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+        room = room_of(module, package)
+        assert room or module == package, f"{module} belongs to no room of {package}: give it one in LEVELS"
+        wanted = {other for name in imported(path) if (other := room_of(name, package))}
+        found.setdefault(room or package, set()).update(wanted - {room})
+    return found
+
+
+@pytest.mark.parametrize("package", ORDER)
+def test_every_room_imports_only_what_is_below_it(package: str):
+    height = {room: number for number, level in enumerate(LEVELS[package]) for room in level}
+    shared = {room for level in LEVELS[package] if level in SHARED for room in level}
+    up = [
+        f"{package}.{room} imports {package}.{other}"
+        for room, others in edges(package).items()
+        for other in others
+        if room != package and height[other] >= height[room] and not {room, other} <= shared
+    ]
+    assert not up
+
+
+@pytest.mark.parametrize("package", ORDER)
+def test_no_room_needs_itself(package: str):
+    try:
+        TopologicalSorter(edges(package)).prepare()
+    except CycleError as error:
+        pytest.fail(" imports ".join(reversed(error.args[1])))
+
+
+@pytest.mark.parametrize("package", ORDER)
+def test_packages_stand_on_one_another(package: str):
     for path in (ROOT / package).rglob("*.py"):
-        inner = {name.split(".")[0] for name in imported(path)} & set(OURS)
-        assert inner <= ALLOWED[package], f"{path.relative_to(ROOT)} imports {inner - ALLOWED[package]}"
+        inner = {name.split(".")[0] for name in imported(path)} & set(ORDER)
+        above = inner - set(ORDER[: ORDER.index(package) + 1])
+        assert not above, f"{path.relative_to(ROOT)} imports {above}"
+
+
+def top_files() -> list[str]:
+    """The files of `bridge` that stand in no room."""
+    return sorted(path.name for path in (ROOT / "bridge").glob("*.py"))
+
+
+def test_few_files_stand_outside_the_rooms():
+    assert len(top_files()) <= MOST_FILES, top_files()
 
 
 @pytest.mark.parametrize("package", ["twin", "controller"])
@@ -40,3 +136,25 @@ def test_the_core_knows_no_clock_network_or_screen(package: str):
 @pytest.mark.parametrize("name", LAWS)
 def test_control_laws_need_nothing_of_the_plant(name: str):
     assert not any(module.startswith("twin") for module in imported(ROOT / "controller" / f"{name}.py"))
+
+
+def heights(found: Edges) -> dict[str, int]:
+    """How many rooms lie below each, one on another."""
+    height: dict[str, int] = {}
+    for room in TopologicalSorter(found).static_order():
+        height[room] = 1 + max((height[other] for other in found.get(room, ())), default=0)
+    return height
+
+
+def show() -> None:
+    """Print the levels that the imports make, lowest first."""
+    for package in ORDER:
+        height = heights({room: others for room, others in edges(package).items() if room != package})
+        print(f"{package}: {max(height.values())} levels")
+        for level in range(1, max(height.values()) + 1):
+            print(f"  {level}  {' '.join(sorted(room for room, at in height.items() if at == level))}")
+    print(f"files at the top of bridge: {len(top_files())} ({', '.join(top_files())})")
+
+
+if __name__ == "__main__":
+    show()

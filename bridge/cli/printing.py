@@ -7,23 +7,20 @@ from rich.console import Console
 
 from bridge.cli.app import print_json
 from bridge.cli.tables import print_table
-from bridge.recording.info import plain
-from bridge.runs.check import CheckResult
-from bridge.runs.run import Outcome
-from bridge.scenario.bands import METRICS, value_with_unit
 
 if TYPE_CHECKING:
     from bridge.recording.compare import Difference
+    from bridge.runs.check import CheckResult
+    from bridge.runs.run import Outcome
 
 
-def print_summary(outcome: Outcome) -> None:
+def print_summary(outcome: "Outcome") -> None:
     """The summary of a run."""
     summary = outcome.summary
     console = Console()
     if "ending" in summary:
         console.print(f"[bold]{summary['scenario']}[/bold] {summary['mode']}: {summary['ending']}")
-        rows = [(METRICS[name].words, value_with_unit(name, value)) for name, value in summary["metrics"].items()]
-        print_table(("control", ""), rows)
+        print_table(("control", ""), _metric_rows(summary["metrics"]))
         print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary["timing"]))
         for line in [*_stability(summary), *_counts(summary)]:
             console.print(line, highlight=False, soft_wrap=True)
@@ -35,6 +32,12 @@ def print_summary(outcome: Outcome) -> None:
         console.print(f"recording  {outcome.recording}", highlight=False, soft_wrap=True)
     if outcome.picture:
         console.print(f"picture    {outcome.picture}", highlight=False, soft_wrap=True)
+
+
+def _metric_rows(metrics: dict[str, float | None]) -> list[tuple[str, str]]:
+    from bridge.scenario.bands import METRICS, value_with_unit
+
+    return [(METRICS[name].words, value_with_unit(name, value)) for name, value in metrics.items()]
 
 
 def _timing_rows(timing: dict[str, Any]) -> list[list[str]]:
@@ -71,7 +74,7 @@ def _counts(summary: dict[str, Any]) -> Iterable[str]:
     yield f"lost       {lost}; safe states: {summary['safe_states']}"
 
 
-def print_checks(results: list[CheckResult]) -> None:
+def print_checks(results: "list[CheckResult]") -> None:
     """The verdicts of `hydrotwin check`."""
     rows = []
     for result in results:
@@ -119,6 +122,8 @@ EVENTS = 20  # events that are shown; --json gives all
 
 def print_info(found: dict[str, Any]) -> None:
     """Facts, channels, events, metrics."""
+    from bridge.recording.info import plain
+
     console = Console(soft_wrap=True, highlight=False)
     size = "" if found["size"] is None else f", {found['size'] / 1e6:.2f} MB"
     console.print(f"[bold]{found['file']}[/bold]{size}", highlight=False)
@@ -128,7 +133,7 @@ def print_info(found: dict[str, Any]) -> None:
     print_table(("channel", "type", "messages", "from", "to", "rate", "gaps", "longest", "lost"), _channels(found))
     _print_events(console, found["events"])
     if found["metrics"]:
-        print_table(("metric", ""), [(METRICS[k].words, value_with_unit(k, v)) for k, v in found["metrics"].items()])
+        print_table(("metric", ""), _metric_rows(found["metrics"]))
 
 
 def _facts(found: dict[str, Any]) -> list[tuple[str, Any]]:

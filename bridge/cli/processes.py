@@ -16,7 +16,6 @@ from bridge.cli.options import (
     SCENARIO,
     ProcessMode,
 )
-from bridge.scenario.loading import refuse_fast_daq
 from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 
@@ -45,17 +44,19 @@ def plant(
     It holds no control law. In real time it starts at once (or with its --await partners) and keeps the valve
     centred until a controller speaks; in lockstep it waits for each command.
     """
+    from bridge.scenario import load
+    from bridge.scenario.loading import refuse_fast_daq
+
+    checked = load(scenario, changes)
+    if mode == ProcessMode.REALTIME:
+        refuse_fast_daq(checked, speed)
     from bridge.loop.identity import fresh
     from bridge.processes.plant import PlantOptions, run_plant
-    from bridge.scenario import load
     from bridge.wire.link import Link
 
     link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, patience)
     awaited = tuple(partners or (["controller"] if mode == ProcessMode.LOCKSTEP else []))
     options = PlantOptions(Mode(mode), speed, fifo, fresh() if run_id is None else run_id, awaited, patience)
-    checked = load(scenario, changes)
-    if mode == ProcessMode.REALTIME:
-        refuse_fast_daq(checked, speed)
     words = run_plant(checked, link, options)
     if as_json:
         print_json(words)
@@ -83,13 +84,14 @@ def controller(
     With --law module:function or FILE.py:function the law is yours: a function of (sample, target, memory, gains)
     that returns (spool, memory); memory is None at the first sample.
     """
-    from bridge.loop.identity import fresh
-    from bridge.processes.controller import run_controller
     from bridge.scenario import load
-    from bridge.wire.link import Link
 
     own = [f"controller.law={law}"] if law else []
     checked = load(scenario, [*(changes or []), *own])
+    from bridge.loop.identity import fresh
+    from bridge.processes.controller import run_controller
+    from bridge.wire.link import Link
+
     link = Link(None, connect, zenoh_config, patience)
     run_controller(checked, link, Mode(mode), fresh() if source is None else source, fifo)
 

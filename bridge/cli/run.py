@@ -46,20 +46,22 @@ def run(
     [bold]realtime[/bold] and [bold]lockstep[/bold] start plant, controller and recorder as processes;
     [bold]inprocess[/bold] needs neither middleware nor clock. All record the same data.
     """
-    from bridge.cli.printing import print_summary
-    from bridge.processes.options import RunOptions
-    from bridge.runs.run import run_scenario
     from bridge.scenario import load
     from bridge.scenario.loading import refuse_fast_daq
 
     checked = load(scenario, _changes(changes, duration, seed))
     if mode == Mode.REALTIME:
         refuse_fast_daq(checked, speed)
+    from bridge.cli.printing import print_summary
+    from bridge.processes.options import RunOptions
+    from bridge.runs.run import run_scenario, shown
+
     path = recording or default_recording(checked.name)
     outcome = run_scenario(checked, RunOptions(mode, path, speed, fifo, patience, external, listen))
     if summary_file == Path("-"):
         print_json(outcome.summary)
     else:
+        outcome = shown(outcome)
         print_summary(outcome)
         if summary_file:
             summary_file.parent.mkdir(parents=True, exist_ok=True)
@@ -86,12 +88,13 @@ def check(
     as_json: AS_JSON = False,
 ) -> None:
     """Run scenarios headless and judge the bands they state; for CI."""
-    from bridge.cli.printing import print_checks
-    from bridge.runs.check import check_scenario, junit_xml
     from bridge.scenario import load
-    from bridge.scenario.circuit import circuit_of
 
     loaded = [load(name, changes) for name in scenarios]
+    from bridge.cli.printing import print_checks
+    from bridge.runs.check import check_scenario, junit_xml
+    from bridge.scenario.circuit import circuit_of
+
     for scenario in loaded:
         circuit_of(scenario)  # all are good, or none is run
     results = []

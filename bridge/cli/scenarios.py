@@ -14,15 +14,10 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
     """Print a scenario's circuit: parts, values with their sources, frequencies, travel times, limits of the step."""
     from bridge.cli.tables import print_table
     from bridge.scenario import load
-    from bridge.scenario.describe import (
-        PICTURE,
-        facts,
-        step_rows,
-        values_of,
-        warnings,
-    )
 
     loaded = load(scenario, changes)
+    from bridge.scenario.describe import PICTURE, facts, step_rows, values_of, warnings
+
     values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
     if as_json:
         keys = ("part", "what", "time", "longest step")
@@ -42,10 +37,11 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
 def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
     """Run a scenario at its step, a half and a quarter of it: error and order of each signal."""
     from bridge.cli.tables import print_table
-    from bridge.runs.convergence import convergence as compare
     from bridge.scenario import load
 
     loaded = load(scenario, changes)
+    from bridge.runs.convergence import convergence as compare
+
     rows = compare(loaded)
     if as_json:
         print_json([row.plain() for row in rows])

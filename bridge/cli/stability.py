@@ -18,9 +18,11 @@ def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSO
     By linear theory about the rig's own points of rest and slow motion; what it leaves out is in docs/stability.md.
     """
     from bridge.scenario import load
+
+    checked = load(scenario, changes)
     from bridge.studies.stability.advice import advise as advice
 
-    found = advice(load(scenario, changes))
+    found = advice(checked)
     if as_json:
         print_json(found)
     else:

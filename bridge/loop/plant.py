@@ -12,13 +12,11 @@ from bridge.loop.acquisition import Acquisition
 from bridge.loop.inlet import SAFE, Inlet, Note
 from bridge.loop.line_profiles import LineProfiles
 from bridge.scenario import Scenario
-from bridge.scenario.circuit import circuit_of
+from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
 from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason
 from controller.grid import NS, last_due
 from twin.circuit.block import compiled, run_block
-from twin.circuit.equilibrium import equilibrium
-from twin.circuit.state import flatten
 from twin.sensors import CHANNELS
 from twin.topology import OBSERVED
 
@@ -35,9 +33,8 @@ class PlantSide:
         self.tick_number = 0
         self.published: dict[str, int] = {}
         self._viewer_ticks = max(1, round(loop.viewer_period * NS / self.grid.daq))
-        circuit = circuit_of(scenario)
-        self._circuit = compiled(circuit)
-        self._state = flatten(equilibrium(circuit, scenario.start.position, scenario.start.p_upper))
+        self._circuit = compiled(circuit_of(scenario))
+        self._state = rest_of(scenario)
         self._acquisition = Acquisition(scenario)
         self._observed = np.zeros(len(OBSERVED))
         self._lines = LineProfiles(run_id, self._circuit)

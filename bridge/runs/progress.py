@@ -1,15 +1,14 @@
 """What a person sees while a run is going on; nothing when nobody looks."""
 
 import sys
-from typing import Any
-
-from rich.console import Console
-from rich.live import Live
-from rich.table import Table
-from rich.text import Text
+from typing import TYPE_CHECKING, Any
 
 from bridge.scenario import Scenario
 from bridge.wire.messages import Phase
+
+if TYPE_CHECKING:
+    from rich.live import Live
+    from rich.table import Table
 
 EVERY = 200  # ticks between two looks in process
 
@@ -19,30 +18,39 @@ class Progress:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
-        self._live = Live(Text("starting"), console=Console(stderr=True), refresh_per_second=10, transient=True)
-        self._on = sys.stderr.isatty()
+        self._live = _line_on_screen() if sys.stderr.isatty() else None
 
     def __enter__(self) -> "Progress":
-        if self._on:
+        if self._live:
             self._live.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._on:
+        if self._live:
             self._live.stop()
 
     def tick(self, number: int) -> None:
         """In process: how far it has come."""
-        if self._on and number % EVERY == 0:
+        if self._live and number % EVERY == 0:
             self.show({"tick": number, "ticks": self.scenario.ticks, "phase": Phase.RUNNING})
 
     def show(self, values: dict[str, Any]) -> None:
         """Draw the numbers of a status."""
-        if self._on:
+        if self._live:
             self._live.update(_line(self.scenario, values))
 
 
-def _line(scenario: Scenario, values: dict[str, Any]) -> Table:
+def _line_on_screen() -> "Live":
+    from rich.console import Console
+    from rich.live import Live
+    from rich.text import Text
+
+    return Live(Text("starting"), console=Console(stderr=True), refresh_per_second=10, transient=True)
+
+
+def _line(scenario: Scenario, values: dict[str, Any]) -> "Table":
+    from rich.table import Table
+
     period = scenario.loop.daq_period
     done, total = values.get("tick", 0) * period, values.get("ticks", 1) * period
     bar = "━" * round(20 * done / total) if total else ""

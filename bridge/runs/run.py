@@ -11,7 +11,6 @@ from bridge.runs.in_process import record_in_process
 from bridge.runs.progress import Progress
 from bridge.scenario import Scenario
 from bridge.scenario.describe import warnings
-from bridge.studies.stability.operating import left_out, operating_point
 from bridge.wire.messages import Mode
 
 
@@ -22,29 +21,40 @@ class Outcome(NamedTuple):
     summary: dict[str, Any]
     faults: list[str]  # empty for a good run
     recording: Path | None  # None when none was written
-    picture: Path | None
+    picture: Path | None = None
     interrupted: bool = False  # by somebody, before its time
+    data: Recording | None = None  # what the summary was made of
 
 
 def run_scenario(scenario: Scenario, options: RunOptions) -> Outcome:
-    """Run, summarise, draw. A failed run has faults, and its recording as far as it goes."""
+    """Run and summarise. A failed run has faults, and its recording as far as it goes."""
     coarse = warnings(scenario)  # refuses numbers that make no circuit before anything is started
     stop = Stop()
     try:
         recording, faults, notes = _run(scenario, options, stop)
     finally:
         stop.leave()
-    notes = [*coarse, *notes, *filter(None, [left_out(scenario)])]
+    notes = [*coarse, *notes]
     if recording is None:
         summary = {"scenario": scenario.name, "faults": faults, "notes": notes}
         return Outcome(scenario, summary, faults, None, None, stop.asked)
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
     faults = [*faults, *verdict(summary, scenario)]
-    summary |= {"stability": None if stop.asked else operating_point(scenario, summary["metrics"])}
     summary = summary | {"mode": options.mode, "speed": options.speed, "recording": str(options.recording)}
-    picture = None if stop.asked else _picture(scenario, recording)
     summary |= {"faults": faults, "notes": notes}
-    return Outcome(scenario, summary, faults, options.recording, picture, stop.asked)
+    return Outcome(scenario, summary, faults, options.recording, None, stop.asked, recording)
+
+
+def shown(outcome: Outcome) -> Outcome:
+    """The outcome for people: with a picture, and with where it stands among the stable gains of its loop."""
+    if outcome.data is None or outcome.interrupted:
+        return outcome
+    from bridge.studies.stability.operating import left_out, operating_point
+
+    scenario, summary = outcome.scenario, outcome.summary
+    notes = [*summary["notes"], *filter(None, [left_out(scenario)])]
+    theory = {"stability": operating_point(scenario, summary["metrics"]), "notes": notes}
+    return outcome._replace(summary=summary | theory, picture=_picture(scenario, outcome.data))
 
 
 def _run(scenario: Scenario, options: RunOptions, stop: Stop) -> tuple[Recording | None, list[str], list[str]]:

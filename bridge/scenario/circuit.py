@@ -1,22 +1,48 @@
-"""The circuit of a scenario's rig, built where it is needed and once for the same numbers."""
+"""The circuit of a scenario's rig and its state at rest: made where they are needed, once for the same numbers.
 
-from collections.abc import Mapping
+What has been made is kept beside the compiled code, so that a second start needs neither scipy nor the fit of the
+lines.
+"""
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import lru_cache
-from typing import Any
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from llvmlite.binding import get_host_cpu_name
+from numpy.typing import NDArray
 
 from bridge.errors import ScenarioError
 from bridge.scenario.model import Scenario
 from twin.circuit.build import build
+from twin.circuit.equilibrium import equilibrium
+from twin.circuit.state import flatten
 from twin.circuit.step import Circuit
+from twin.compiled_code import Files
+from twin.kernel import FOLDER
 
-REMEMBERED = 8  # circuits: a sweep over a number of the rig needs each of its own only once
+REMEMBERED = 8  # in a process: a sweep over a number of the rig needs each circuit only for a while
+KEPT = 400  # files, of some 20 kB; the oldest go
 Plain = tuple[tuple[str, tuple[tuple[str, Any], ...]], ...]  # the rig's values, part by part
+T = TypeVar("T")
 
 
 def circuit_of(scenario: Scenario) -> Circuit:
     """The circuit at the scenario's step. Raises ScenarioError where its numbers make none, or none at this step."""
     try:
-        return _built(_plain(scenario.rig_values()), scenario.loop.step)
+        return _circuit(_plain(scenario.rig_values()), scenario.loop.step)
+    except ValueError as error:
+        raise ScenarioError(f"{scenario.name}: {error}") from None
+
+
+def rest_of(scenario: Scenario) -> NDArray[np.float64]:
+    """The flat state in which the scenario starts. Raises ScenarioError where its numbers make none."""
+    start = scenario.start
+    try:
+        return _rest(_plain(scenario.rig_values()), scenario.loop.step, start.position, start.p_upper).copy()
     except ValueError as error:
         raise ScenarioError(f"{scenario.name}: {error}") from None
 
@@ -26,5 +52,40 @@ def _plain(values: Mapping[str, Mapping[str, Any]]) -> Plain:
 
 
 @lru_cache(REMEMBERED)
-def _built(values: Plain, step: float) -> Circuit:
-    return build({part: dict(entries) for part, entries in values}, step)
+def _circuit(values: Plain, step: float) -> Circuit:
+    return _kept("circuit", (values, step), lambda: build({part: dict(entries) for part, entries in values}, step))
+
+
+@lru_cache(REMEMBERED)
+def _rest(values: Plain, step: float, position: float, p_upper: float) -> NDArray[np.float64]:
+    def make() -> NDArray[np.float64]:
+        return flatten(equilibrium(_circuit(values, step), position, p_upper))
+
+    return _kept("rest", (values, step, position, p_upper), make)
+
+
+def forget() -> None:
+    """Drop what this process remembers; what is kept on disk stays."""
+    _circuit.cache_clear()
+    _rest.cache_clear()
+
+
+def _kept(name: str, key: object, make: Callable[[], T]) -> T:
+    """What was made for a key before on this kind of processor, or is made now."""
+    if FOLDER is None:
+        return make()
+    files = Files(FOLDER / "circuits", name, (get_host_cpu_name(), version("scipy")))
+    found = files.load(key)
+    if found is None:
+        found = make()
+        with suppress(OSError):
+            files.folder.mkdir(parents=True, exist_ok=True)
+            _make_room(files.folder)
+            files.save(key, found)
+    return found
+
+
+def _make_room(folder: Path) -> None:
+    paths = sorted(folder.iterdir(), key=lambda path: path.stat().st_mtime)
+    for path in paths[: max(0, len(paths) - KEPT)]:
+        path.unlink(missing_ok=True)

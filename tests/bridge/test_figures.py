@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,12 @@ def test_an_unknown_figure_is_refused_with_the_nearest(tmp_path: Path, name: str
 def marks(name: str):
     """Long figures, and charts that differ from others in a number only, are for the long trials."""
     return pytest.mark.endurance if name in LONG or (name in CHARTS and name not in ("5.9", "5.16")) else ()
+
+
+def test_every_figure_names_a_function_that_is_there():
+    for figure in FIGURES.values():
+        module, _, function = figure.source.rpartition(".")
+        assert callable(getattr(import_module(f"bridge.figures.{module}"), function)), figure.name
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=marks(name)) for name in FIGURES])

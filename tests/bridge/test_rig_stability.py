@@ -11,7 +11,7 @@ from bridge.cli.verbs import app
 from bridge.processes.options import RunOptions
 from bridge.runs.check import check_scenario
 from bridge.runs.in_process import record_in_process
-from bridge.runs.run import run_scenario
+from bridge.runs.run import run_scenario, shown
 from bridge.scenario import ScenarioError, load, names
 from bridge.studies.stability.advice import advise, refuse_other_loops
 from bridge.studies.stability.causes import with_causes
@@ -138,17 +138,17 @@ def test_loops_without_theory_are_refused():
 def test_summary_places_the_run_and_compares_frequencies(tmp_path):
     scenario = load("slow-sampling", ["duration=5"])
     outcome = run_scenario(scenario, RunOptions(Mode.INPROCESS, tmp_path / "a.mcap"))
+    assert "stability" not in outcome.summary  # computed when somebody looks
+    assert not (tmp_path / "a.png").exists()
+    outcome = shown(outcome)
+    assert outcome.picture == tmp_path / "a.png"
+    assert (tmp_path / "a.png").exists()
     at = outcome.summary["stability"]
     assert at["verdict"] == "unstable"
     assert at["found_frequency"] == pytest.approx(5.0, rel=0.01)
     assert at["points"]["rest"]["swing_frequency"] == pytest.approx(5.0, rel=0.01)
-    assert (
-        run_scenario(
-            load("hold-load", ["duration=1"]),
-            RunOptions(Mode.INPROCESS, tmp_path / "b.mcap"),
-        ).summary["stability"]
-        is None
-    )
+    options = RunOptions(Mode.INPROCESS, tmp_path / "b.mcap")
+    assert shown(run_scenario(load("hold-load", ["duration=1"]), options)).summary["stability"] is None
 
 
 @pytest.mark.parametrize(("derivative", "oscillates"), [("0.0 V s/%", False), ("0.03 V s/%", True)])

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.relief_valve import BAR, valve
-from twin.relief.poppet import cracking_pressure, frustum_area, gape
+from twin.relief.poppet import cracking_pressure, gape
+from twin.seats.frustum import frustum_area
 
 PILOT = valve().pilot
 RHO = 878.0

@@ -1,9 +1,9 @@
 """Where a run starts: valve at rest, load held by the lower chamber, pump over relief valve or tandem centre."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import root_scalar
 
 from twin.circuit.state import Flows, Pressures, State
 from twin.circuit.step import (
@@ -60,7 +60,7 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
                 "the pump has nowhere to go: no relief valve, a shut valve and no leakage; "
                 "take relief.kind = 'two-stage', a tandem centre or pump.efficiency below 1"
             )
-    return at(root_scalar(lambda tee: at(tee)[1], bracket=(0.0, high), xtol=1e-6, rtol=1e-14).root)[0]
+    return at(_root(lambda tee: at(tee)[1], high, 1e-6))[0]
 
 
 def idle_flow(tee: float, circuit: Circuit) -> float:
@@ -75,7 +75,14 @@ def idle_flow(tee: float, circuit: Circuit) -> float:
     high = 1e-6
     while excess(high) > 0.0:
         high *= 2.0
-    return root_scalar(excess, bracket=(0.0, high), xtol=1e-18, rtol=1e-14).root
+    return _root(excess, high, 1e-18)
+
+
+def _root(function: Callable[[float], float], high: float, tolerance: float) -> float:
+    """Where a function changes its sign between 0 and `high`."""
+    from scipy.optimize import root_scalar
+
+    return root_scalar(function, bracket=(0.0, high), xtol=tolerance, rtol=1e-14).root
 
 
 def _idle_drops(flow: float, area: float, circuit: Circuit) -> tuple[float, float, float, float]:

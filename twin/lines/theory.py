@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ive
 
 Complex = Any  # NDArray[complex128], which numpy's own annotations lose on the way
 LOSSES = ("none", "steady", "unsteady")
@@ -46,6 +45,8 @@ def losses(s: Complex, viscous_time: float, kind: str) -> Complex:
     sigma = s * viscous_time
     if kind == "steady":
         return 1.0 + 8.0 / sigma
+    from scipy.special import ive
+
     xi = np.sqrt(sigma)
     return ive(0, xi) / ive(2, xi)
 

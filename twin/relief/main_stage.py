@@ -10,7 +10,7 @@ from typing import NamedTuple
 from twin.contact import Stops
 from twin.kernel import kernel
 from twin.oil import Oil
-from twin.relief.poppet import frustum_area
+from twin.seats.frustum import frustum_area
 
 
 class MainStage(NamedTuple):

@@ -17,6 +17,7 @@ from twin.relief.long_seat import (
     long_conductance,
     long_damping,
 )
+from twin.seats.frustum import frustum_area
 
 
 class Poppet(NamedTuple):
@@ -77,12 +78,6 @@ def poppet(
 def spring_drag(diameter: float, turns: float, oil: Oil) -> float:
     """K [N s/m] of oil on a spring of a diameter [m], (2.44): 3/2 mu D pi n."""
     return 1.5 * oil.density * oil.viscosity * diameter * math.pi * turns
-
-
-@kernel
-def frustum_area(lift: float, diameter: float, sine: float, cosine: float) -> float:
-    """Smallest area [m^2] between a cone and a sharp edge, (2.20), (2.21): pi x sin a (d - x sin(2a)/2)."""
-    return math.pi * lift * sine * (diameter - lift * sine * cosine)
 
 
 @kernel

@@ -8,7 +8,7 @@ x >= 0 is axial, pressures gauge in Pa, forces in N, > 0 opens. The relief valve
 import math
 from typing import NamedTuple
 
-from twin.relief.poppet import frustum_area
+from twin.seats.frustum import frustum_area
 
 
 class ChamferedSeat(NamedTuple):

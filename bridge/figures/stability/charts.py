@@ -6,7 +6,7 @@ rising damping k, 5.14 to 5.19 have k = 0 and rising derivative gain d; each cel
 multipliers are stable. `areas` is how much of each chart has 0, 1, 2 and 3.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from bridge.drawing.canvas import (
     remark,
     sheet,
 )
+from bridge.figures.stability.damped import CHARTS, Damped
 from bridge.studies.stability.chart_drawing import COLOURS, GOOD
 from controller.stability import linear_actuator, sampled_loop
 from controller.stability.actuator.analogue import analogue_edge
@@ -31,19 +32,6 @@ CELLS = 200  # a side; numbers are those of their middles
 FINE = 4000  # places along a curve
 NEAR = 1e-3  # relative step in s and in tau to either side of a curve, to see whether stability ends there
 FLIP, PAIR, FOLD = "#b3261e", "#1f4e9c", "0.35"
-VALUES = (0.0, 0.1, 0.5, 1.0, 10.0, 1000.0)
-
-
-class Damped(NamedTuple):
-    """What one chart is of."""
-
-    k: float
-    d: float
-
-
-CHARTS = {f"5.{8 + i}": Damped(k, 0.0) for i, k in enumerate(VALUES)} | {
-    f"5.{14 + i}": Damped(0.0, d) for i, d in enumerate(VALUES)
-}
 CURVES = Damped(0.0, 1.0)  # of 5.7
 
 

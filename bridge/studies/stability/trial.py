@@ -14,13 +14,11 @@ from bridge.loop.acquisition import Acquisition
 from bridge.loop.controller import ControllerSide
 from bridge.loop.inlet import SAFE
 from bridge.scenario import Scenario
-from bridge.scenario.circuit import circuit_of
+from bridge.scenario.circuit import circuit_of, rest_of
 from controller.grid import NS, Sampling, is_sample
 from controller.hold import Hold
 from controller.law import Sample
 from twin.circuit.block import Compiled, compiled, run_block
-from twin.circuit.equilibrium import equilibrium
-from twin.circuit.state import flatten
 from twin.topology import OBSERVED
 
 ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
@@ -45,10 +43,8 @@ class Trace(NamedTuple):
 
 
 def stand(scenario: Scenario) -> Stand:
-    """The scenario's rig at its start. Raises ValueError where it has none."""
-    circuit = circuit_of(scenario)
-    rest = equilibrium(circuit, scenario.start.position, scenario.start.p_upper)
-    return Stand(compiled(circuit), flatten(rest))
+    """The scenario's rig at its start. Raises ScenarioError where it has none."""
+    return Stand(compiled(circuit_of(scenario)), rest_of(scenario))
 
 
 def trial(scenario: Scenario, on: Stand) -> Trace:
