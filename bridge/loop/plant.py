@@ -122,14 +122,9 @@ class PlantSide:
 
     def _true_state(self) -> Outgoing:
         sequence = self._count("state")
-        state = PlantState(
-            run_id=self.run_id,
-            sequence=sequence,
-            tick=self.tick_number,
-            stamp=self.now,
-            reference=self.inlet.value,
-            **dict(zip(OBSERVED, self._observed.tolist(), strict=True)),
-        )
+        # in the order of OBSERVED, of which the message is made; keywords would take longer than the whole card
+        head = self.run_id, sequence, self.tick_number, self.now, self.inlet.value
+        state = PlantState(*head, *self._observed.tolist())
         return Outgoing("state", self.now, sequence, state)
 
     def _viewer_messages(self) -> list[Outgoing]:
