@@ -1,4 +1,4 @@
-"""The command `hydrotwin`: one verb a function, grouped by what they are for."""
+"""The command `hydrotwin`: one function per verb, grouped by what they are for."""
 
 import signal
 import sys

@@ -14,7 +14,7 @@ def figure(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for NAME.png and NAME.csv.")] = Path(),
     as_json: AS_JSON = False,
 ) -> None:
-    """Draw a figure of the source from the twin: NAME.png and NAME.csv."""
+    """Draw a figure of the thesis from the twin: NAME.png and NAME.csv."""
     from bridge.figures.catalogue import draw_figure
 
     paths = draw_figure(name, output)

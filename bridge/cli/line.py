@@ -10,8 +10,8 @@ from bridge.cli.options import AS_JSON
 
 
 def line(
-    length: Annotated[str, typer.Option(help="Of the pipe.")] = "2.5 m",
-    diameter: Annotated[str, typer.Option(help="Inner.")] = "11 mm",
+    length: Annotated[str, typer.Option(help="Length of the pipe.")] = "2.5 m",
+    diameter: Annotated[str, typer.Option(help="Inner diameter.")] = "11 mm",
     oil: Annotated[str, typer.Option(help="rig: the oil of the rig.")] = "rig",
     temperature: Annotated[str, typer.Option(help="Of the oil, up to 80 degC.")] = "40.07 degC",
     viscosity: Annotated[str | None, typer.Option(help="Instead, in m^2/s or mm^2/s.")] = None,
@@ -25,7 +25,7 @@ def line(
     pressure: Annotated[str, typer.Option(help="Of a reservoir, and before a push.")] = "20 bar",
     rise: Annotated[str, typer.Option(help="Pressure added by a push.")] = "10 bar",
     closure: Annotated[str, typer.Option(help="Time to shut, open or push.")] = "1 ms",
-    span: Annotated[str | None, typer.Option(help="Simulated time; else 20 travel times.")] = None,
+    span: Annotated[str | None, typer.Option(help="Simulated time. [default: 20 wave travel times]")] = None,
     scheme: Annotated[
         str,
         typer.Option(
@@ -46,7 +46,7 @@ def line(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for line.png and line.csv.")] = Path(),
     as_json: AS_JSON = False,
 ) -> None:
-    """Simulate waves in one pipe by any scheme, beside the exact line: line.png, line.csv and what they say."""
+    """Simulate waves in one pipe with any scheme, compared with the exact line: line.png, line.csv and a summary."""
     from bridge.cli.tables import print_table
     from bridge.studies.line.case import Request
     from bridge.studies.line.study import facts, study, write

@@ -46,7 +46,7 @@ CONFIG = Annotated[
 ]
 MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
 FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")]
-WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one a core]", show_default=False)]
+WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one per core]", show_default=False)]
 SCHEDULER = Annotated[
     str | None, typer.Option(help="Address of a Dask scheduler to run on instead.", metavar="ADDRESS")
 ]

@@ -25,13 +25,13 @@ def info(file: FILE, as_json: AS_JSON = False) -> None:
 
 
 def recover(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="What was cut off; or parts, to be joined.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="A truncated recording, or the parts of one.")],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="[default: FILE-recovered.mcap]", show_default=False)
     ] = None,
     as_json: AS_JSON = False,
 ) -> None:
-    """Copy all that is sound in a file that was cut off, or in the parts of one run, to a file that is whole."""
+    """Recover the readable part of a truncated recording, or join the parts of one run."""
     from bridge.recording.recover import recover as copy
 
     done = copy(files, output or files[0].with_stem(f"{files[0].stem}-recovered"))
@@ -44,8 +44,8 @@ def recover(
 
 def export(
     file: FILE,
-    csv: Annotated[bool, typer.Option("--csv", help="A folder of CSV files, one a channel.")] = False,
-    parquet: Annotated[bool, typer.Option("--parquet", help="A folder of Parquet files, one a channel.")] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="One CSV file per channel.")] = False,
+    parquet: Annotated[bool, typer.Option("--parquet", help="One Parquet file per channel.")] = False,
     mat: Annotated[bool, typer.Option("--mat", help="A MATLAB file, a structure a channel.")] = False,
     topics: TOPICS = None,
     output: Annotated[
@@ -76,7 +76,7 @@ def compare(
     second: Annotated[Path, typer.Argument(metavar="B", help="Another one.")],
     tolerance: TOLERANCE = None,
     topics: TOPICS = None,
-    partly: Annotated[bool, typer.Option("--partly", help="Allow instants that only one of them has.")] = False,
+    partly: Annotated[bool, typer.Option("--partly", help="Ignore time stamps that only one file contains.")] = False,
     as_json: AS_JSON = False,
 ) -> None:
     """Compare two recordings signal by signal: greatest difference, rms, where it begins. Exit code 1: they differ."""

@@ -22,7 +22,9 @@ class Into(StrEnum):
 
 
 LISTEN = Annotated[str | None, typer.Option(help=f"Address to listen on.  [default: {DEFAULT_ENDPOINT}]")]
-INTO = Annotated[Into | None, typer.Option(help="Instead into the twin or a controller; judge what comes out.")]
+INTO = Annotated[
+    Into | None, typer.Option(help="Feed the recording to the twin or a controller and compare its output.")
+]
 
 
 def replay(
@@ -37,7 +39,7 @@ def replay(
     remap: Annotated[list[str] | None, typer.Option(metavar="A:=B", help="Other keys: rig:=twin. Repeatable.")] = None,
     paused: Annotated[bool, typer.Option("--paused", help="Stand still at first.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Also on keys that have a live publisher.")] = False,
-    wait: Annotated[float, typer.Option(help="Seconds to wait for somebody who listens.")] = 0.0,
+    wait: Annotated[float, typer.Option(help="Seconds to wait for a subscriber.")] = 0.0,
     listen: LISTEN = None,
     connect: Annotated[str | None, typer.Option(help="Join a router or a plant instead of listening.")] = None,
     zenoh_config: CONFIG = None,
@@ -45,7 +47,7 @@ def replay(
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="With --into: change the scenario.")
     ] = None,
     tolerance: TOLERANCE = None,
-    alone: Annotated[bool, typer.Option("--alone", help="With --into: no process, no bus.")] = False,
+    alone: Annotated[bool, typer.Option("--alone", help="With --into: run in this process, without Zenoh.")] = False,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="With --into: recording of what comes out.")
     ] = None,

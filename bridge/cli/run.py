@@ -33,7 +33,9 @@ def run(
         Path | None, typer.Option("--json", help="Also write the summary as JSON; - prints it instead of the table.")
     ] = None,
     fifo: Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")] = False,
-    external: Annotated[bool, typer.Option("--external", help="Wait for somebody else's controller.")] = False,
+    external: Annotated[
+        bool, typer.Option("--external", help="Wait for an external controller instead of starting ours.")
+    ] = False,
     listen: Annotated[
         str | None, typer.Option(help="The plant's address. [default: a free one on loopback]", show_default=False)
     ] = None,

@@ -13,7 +13,7 @@ PAIR = "LOW:HIGH"
 
 
 def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
-    """Say which gains a scenario's loop bears: critical gains, margins, how it would swing, gains to take.
+    """Find the stable gains of a scenario's loop: critical gains, margins, predicted oscillation, suggested gains.
 
     By linear theory about the rig's own points of rest and slow motion; what it leaves out is in docs/stability.md.
     """
@@ -80,8 +80,8 @@ def map_stability(
     fixed: Annotated[
         list[str] | None, typer.Option("--at", metavar="NAME=NUMBER", help="The other numbers, such as delay=0.5.")
     ] = None,
-    cells: Annotated[int, typer.Option(min=2, max=1000, help="Of the theory, a side.")] = 120,
-    runs: Annotated[int, typer.Option(min=0, max=100, help="Runs a side, with --rig or --simulate; 0 for none.")] = 8,
+    cells: Annotated[int, typer.Option(min=2, max=1000, help="Of the theory, per side.")] = 120,
+    runs: Annotated[int, typer.Option(min=0, max=100, help="Runs per side, with --rig or --simulate; 0 for none.")] = 8,
     simulate: Annotated[
         bool,
         typer.Option(
@@ -103,7 +103,7 @@ def map_stability(
 
     Colours count the multipliers outside the unit circle, by linear theory: of the dimensionless actuator, over which
     --simulate lays runs of the nonlinear one; or of a scenario's rig (--rig), with runs of the full twin. Where such a
-    run of the actuator parts from theory, the cause is found and said. An interrupted map goes on where it was.
+    run of the actuator and theory disagree, the cause is found and named. An interrupted map continues where it was.
     """
     from bridge.studies.stability.map import Wanted, make
 

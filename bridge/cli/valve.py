@@ -78,7 +78,7 @@ def chatter(
     output: OUTPUT = Path(),
     as_json: AS_JSON = False,
 ) -> None:
-    """Will it sing? Seat, spring and volume (rig.chatter) at a flow: damping needed and had, frequency, impacts."""
+    """Predict chatter of seat, spring and volume (rig.chatter) at a flow: required and available damping, impacts."""
     from bridge.scenario.units import option
     from bridge.studies.valve.chatter import draw, facts, rows
 
@@ -100,7 +100,7 @@ def chart(
     precompression: PRECOMPRESSION = "0.23 mm",
     flows: Annotated[str, typer.Option(help="Range of q.", metavar="LOW:HIGH")] = "0.01:0.5",
     dampings: Annotated[str, typer.Option(help="Range of k.", metavar="LOW:HIGH")] = "0.0001:0.02",
-    cells: Annotated[int, typer.Option(min=2, max=2000, help="Runs a side.")] = 100,
+    cells: Annotated[int, typer.Option(min=2, max=2000, help="Runs per side.")] = 100,
     workers: WORKERS = 0,
     scheduler: SCHEDULER = None,
     scenario: SCENARIO = "step",
@@ -110,7 +110,7 @@ def chart(
 ) -> None:
     """A chart of flow and damping by runs with impacts: calm, swinging freely, hitting the seat.
 
-    An interrupted chart goes on where it was (valve-chart-SEAT.part in the folder).
+    An interrupted chart continues where it was (valve-chart-SEAT.part in the folder).
     """
     import numpy as np
 

@@ -21,12 +21,12 @@ KEYS = {
     b"\x1b[D": ("skip", "-1"),
     b"q": ("quit", ""),
 }
-HELP = "space: pause, resume   s: step   + -: speed   left right: 1 s back, on   q: quit"
+HELP = "space: pause, resume   s: step   + -: speed   left/right: seek 1 s back/forward   q: quit"
 
 
 @contextmanager
 def keyboard(player: Player) -> Iterator[bool]:
-    """While this lasts keys are heeded; gives False where standard input is no terminal."""
+    """While this lasts keys are read; gives False where standard input is not a terminal."""
     if not sys.stdin.isatty():
         yield False
         return

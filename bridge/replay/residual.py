@@ -1,4 +1,4 @@
-"""What came out of a replay less what was recorded: a message an instant, and a verdict a signal."""
+"""What came out of a replay less what was recorded: one message per instant, and one verdict per signal."""
 
 import math
 from pathlib import Path
@@ -18,7 +18,7 @@ class Verdict(NamedTuple):
 
     into: str
     differences: list[Difference]
-    events_differ: str | None  # where the plant's events part; None where they do not
+    events_differ: str | None  # where the plant's events diverge; None where they do not
     output: Path
     missing: int  # messages that the recording lacks of what is fed: what they did is no fault of what was fed
 
@@ -53,7 +53,7 @@ class Residuals:
 
 
 def events_apart(mine: Recording, recorded: Recording) -> str | None:
-    """Where the events of two runs part, in one line. Refusals apart: when noise came is not known to the tick."""
+    """Where the events of two runs diverge, in one line. Refusals apart: when noise came is not known to the tick."""
     ours, theirs = _events(mine), _events(recorded)
     for one, other in zip(ours, theirs, strict=False):
         if one != other:

@@ -1,9 +1,9 @@
 """How two runs differ: their metrics, their signals, their parameters."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
-import numpy as np
-
+from bridge.recording.compare import Difference, difference
+from bridge.recording.signals import Signal
 from bridge.report.subject import Run
 from bridge.scenario.bands import (
     METRICS,
@@ -14,37 +14,20 @@ from bridge.scenario.bands import (
 from bridge.scenario.describe import values_of
 
 
-class Difference(NamedTuple):
-    """One signal of one run less that of another, at the instants that both have."""
-
-    signal: str
-    unit: str  # shown
-    greatest: float
-    at: float  # [s]
-    rms: float
-    first: float | None  # [s] of the first difference; None where there is none
-
-
 def signal_differences(run: Run, other: Run) -> list[Difference]:
-    """Every true signal that both have, those that differ most in the first place of nothing: in the file's order."""
-    _, mine, theirs = np.intersect1d(run.state["stamp"], other.state["stamp"], return_indices=True)
-    if not len(mine):
-        return []
-    time = run.time[mine]
-    return [
-        _difference(name, run.state[name][mine], other.state[name][theirs], time)
-        for name in SIGNALS
-        if name in run.state and name in other.state
-    ]
+    """Every signal both runs have, in file order, in the units people read."""
+    shared = [name for name in SIGNALS if name in run.state and name in other.state]
+    found = [difference(name, _signal(run, name), _signal(other, name), 0.0, partly=True) for name in shared]
+    return [_shown(each) for each in found if each.instants]
 
 
-def _difference(name: str, mine: Any, theirs: Any, time: Any) -> Difference:
-    factor, unit = SHOWN.get(SIGNALS[name], (1.0, SIGNALS[name]))
-    apart = np.abs(mine - theirs) * factor
-    most = int(np.argmax(apart))
-    differs = np.flatnonzero(apart > 0.0)
-    first = float(time[differs[0]]) if len(differs) else None
-    return Difference(name, unit, float(apart[most]), float(time[most]), float(np.sqrt(np.mean(apart**2))), first)
+def _signal(run: Run, name: str) -> Signal:
+    return Signal(name, SIGNALS[name], run.state["stamp"], run.state[name])
+
+
+def _shown(found: Difference) -> Difference:
+    factor, unit = SHOWN.get(found.unit, (1.0, found.unit))
+    return found._replace(unit=unit, greatest=found.greatest * factor, rms=found.rms * factor)
 
 
 def metric_rows(runs: list[Run]) -> list[tuple[str, ...]]:
@@ -79,7 +62,7 @@ def parameter_rows(runs: list[Run]) -> list[tuple[str, ...]]:
 
 
 def scenario_rows(run: Run) -> list[tuple[str, str]]:
-    """All that a scenario says beside the rig, in SI."""
+    """All that a scenario says apart from the rig, in SI."""
     return list(_flat(run.scenario.model_dump(mode="json", exclude={"rig", "expect", "title"})))
 
 

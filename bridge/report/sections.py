@@ -13,7 +13,7 @@ MOST_EVENTS = 200  # in the table; the rest are counted
 
 
 def head(runs: list[Run], names: list[str]) -> str:
-    """Title, verdict and one sentence a run."""
+    """Title, verdict and one sentence per run."""
     title = runs[0].scenario.title or runs[0].scenario.name
     if len(runs) > 1:
         title = " compared with ".join(names) if len(runs) == 2 else f"{len(runs)} runs compared"
@@ -62,7 +62,7 @@ def differences(runs: list[Run], names: list[str]) -> str:
             (
                 text(d.signal),
                 f"{d.greatest:.4g} {text(d.unit)}",
-                "-" if d.first is None else f"{d.at:.3f} s",
+                "-" if d.at is None else f"{d.at:.3f} s",
                 f"{d.rms:.4g} {text(d.unit)}",
                 "never" if d.first is None else f"{d.first:.3f} s",
             )
@@ -116,7 +116,7 @@ def parameters(runs: list[Run], names: list[str]) -> str:
 
 
 def scenarios(runs: list[Run], names: list[str]) -> str:
-    """All that the scenarios say beside the rig."""
+    """All that the scenarios say apart from the rig."""
     parts = ["<section id='scenario'><h2>Scenario</h2><p class='soft'>In SI units.</p>"]
     for run, name in zip(runs, names, strict=True):
         heads = (text(name) if len(runs) > 1 else "entry", "value")

@@ -1,4 +1,4 @@
-"""The report's chart of stability: the run's gain among those its loop bears, over the sampling interval."""
+"""The report's chart of stability: the run's gain among the stable gains of its loop, over the sampling interval."""
 
 from typing import Any
 

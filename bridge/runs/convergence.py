@@ -15,7 +15,7 @@ from bridge.scenario.bands import SHOWN, SIGNALS
 from twin.topology import OBSERVED
 
 QUIET = {"noise": 0.0, "quantise": False}  # a card's counts would hide the plant's error
-ROUNDING = 1e-12  # of the greatest value: no order in that
+ROUNDING = 1e-12  # relative to the greatest value; below this the difference is rounding
 LEFT_OUT = ("oil", "mass", "friction")  # what counts, or jumps where the piston stops
 COMPARED = [name for name in OBSERVED if not name.startswith(LEFT_OUT)]
 

@@ -149,7 +149,7 @@ class Scenario(Part):
         grid = self.loop.grid()
         ticks = self.duration * NS / grid.daq
         if abs(ticks - round(ticks)) > 1e-6 or ticks < 1:
-            raise ValueError(f"duration {self.duration} s is no whole number of DAQ periods of {grid.daq / NS} s")
+            raise ValueError(f"duration {self.duration} s is not a whole number of DAQ periods of {grid.daq / NS} s")
         if not 0.0 <= self.start.position <= self.rig.cylinder.stroke:
             raise ValueError(
                 f"start.position {self.start.position} m lies outside the stroke, 0 to {self.rig.cylinder.stroke} m"

@@ -211,7 +211,7 @@ class RunFile:
 
 
 def _own(request: Request) -> dict[str, dict[str, Any]]:
-    """What the file says of its own making, beside the run."""
+    """What the file says of its own making, apart from the run."""
     own: dict[str, dict[str, Any]] = {"user": dict(request.metadata)} if request.metadata else {}
     if request.keeping.topics is not None:
         own["chosen"] = {"topics": sorted(request.keeping.topics), "of": list(TOPICS)}

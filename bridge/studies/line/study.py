@@ -1,4 +1,4 @@
-"""One pipe by one scheme beside the exact line: course, picture, table, and what they say."""
+"""One pipe with one scheme, compared with the exact line: course, picture, table, summary."""
 
 import csv
 from pathlib import Path

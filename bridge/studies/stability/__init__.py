@@ -1,1 +1,1 @@
-"""The sampled loop's stability on the twin itself, beside the theory of its linearisation."""
+"""The sampled loop's stability on the twin itself, compared with the theory of its linearisation."""

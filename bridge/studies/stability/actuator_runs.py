@@ -34,7 +34,7 @@ def actuator_runs(
     found = sweep(run_of, points, {"title": "runs of the actuator"}, part, crew)
     runs = [Run(x, y, **result) for (x, y), result in zip(places, found, strict=True)]
     start = {**OWN, **family.numbers}["start"]
-    words = f"runs of the nonlinear actuator, let go {start:g} alpha beside its target"
+    words = f"runs of the nonlinear actuator, let go {start:g} alpha from its target"
     criterion = f"A run oscillates if its last third swings by {100.0 * KEPT:.0f} % of its middle third or more"
     return Overlay(runs, f"{words}. {criterion}", ("omega", "L"))
 
@@ -47,7 +47,7 @@ def point_of(family: Plainly, numbers: Mapping[str, Any]) -> Point:
 
 
 def run_of(point: Point) -> dict[str, Any]:
-    """What the actuator does at one place, and why it parts from theory if it does."""
+    """What the actuator does at one place, and why it and theory disagree if they do."""
     loop = Loops(**point)
     found = swings(loop)
     return {

@@ -23,8 +23,12 @@ from controller.reference import evaluate
 from controller.stability import Margins
 from controller.stability.margins import GAIN_MARGIN
 
-RULE = f"gain margin {GAIN_MARGIN:g} at the worst point; the patient gain bears one more sampling period of delay too"
-WORDS = {"stable": "stable", "unstable": "unstable", "between": "stable or not by direction and size of the motion"}
+RULE = f"gain margin {GAIN_MARGIN:g} at the worst point; the patient gain tolerates one more sampling period of delay"
+WORDS = {
+    "stable": "stable",
+    "unstable": "unstable",
+    "between": "stable or unstable, depending on direction and amplitude",
+}
 
 
 def refuse_other_loops(scenario: Scenario) -> None:

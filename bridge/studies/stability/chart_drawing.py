@@ -27,7 +27,7 @@ class Run(NamedTuple):
     frequency: float  # [Hz], or rad a unit of time
     amplitude: float  # [m], or chamber lengths
     saturated: float | None  # share of samples that found the valve at its limit; None: not asked
-    cause: str | None  # why it parts from theory, of CAUSES; "": it does not; None: not asked
+    cause: str | None  # why it and theory disagree, of CAUSES; "": it does not; None: not asked
 
 
 class Overlay(NamedTuple):
@@ -109,7 +109,7 @@ def _marks(axes: Any, runs: Sequence[Run]) -> list[Any]:
         ("run oscillates, valve at its limit", BAD, "P", [run for run in runs if run.oscillates and run.saturated])
     ]
     for cause in sorted({run.cause for run in runs if run.cause}):
-        kinds += [(f"parts from theory: {cause}", RING, RINGS[cause], [run for run in runs if run.cause == cause])]
+        kinds += [(f"disagrees with theory: {cause}", RING, RINGS[cause], [run for run in runs if run.cause == cause])]
     keys = []
     for words, colour, marker, chosen in kinds:
         if chosen:
@@ -151,4 +151,4 @@ def _run_words(run: Run, units: tuple[str, str]) -> str:
     swing = f"oscillates at {run.frequency:.4g} {units[0]}, amplitude {run.amplitude:.3g} {units[1]}"
     swing = swing if run.oscillates else "dies away"
     limit = f", the valve at its limit for {100.0 * run.saturated:.0f} % of the samples" if run.saturated else ""
-    return f"{swing}{limit}{f'. It parts from theory: {CAUSES[run.cause]}' if run.cause else ''}"
+    return f"{swing}{limit}{f'. It disagrees with theory: {CAUSES[run.cause]}' if run.cause else ''}"

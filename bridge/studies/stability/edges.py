@@ -15,7 +15,7 @@ from bridge.studies.stability.rig_plant import RigPlant, at_rest, plants
 from bridge.studies.sweep.engine import ALL_CORES, Crew, sweep
 from bridge.studies.sweep.journal import Point
 
-PATIENCE = 12.0  # sampling intervals of silence that a trial bears
+PATIENCE = 12.0  # sampling intervals of silence that a trial tolerates
 
 
 def theory_edges(found: Mapping[str, RigPlant], timing: Timing, derivative: float) -> dict[str, list[Any]]:

@@ -1,4 +1,4 @@
-"""What a sweep has found so far, on disk: a line a point, so that an interrupted sweep goes on where it was.
+"""What a sweep has found so far, on disk: one line per point, so that an interrupted sweep continues where it was.
 
 The first line says which sweep it is. A line that was cut off in writing is dropped and its point computed again.
 """

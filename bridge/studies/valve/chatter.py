@@ -1,4 +1,4 @@
-"""Does it sing? A seat, a spring and a volume at a flow: critical damping, frequency, kind of loss, impacts."""
+"""Chatter of a relief valve at a flow: critical damping, frequency, kind of loss of stability, impacts."""
 
 import math
 from typing import Any
