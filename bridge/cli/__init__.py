@@ -1,5 +1,6 @@
 """The command `hydrotwin`: one function per verb, grouped by what they are for."""
 
+import logging
 import signal
 import sys
 
@@ -14,6 +15,7 @@ def main() -> None:
     from bridge.cli.verbs import app
     from bridge.errors import RunError, UsageError
 
+    logging.basicConfig(format="hydrotwin: %(message)s", level=logging.WARNING)  # on standard error
     try:
         app()
     except UsageError as error:

@@ -1,6 +1,7 @@
 """The verb record, with all that can be said of what to keep."""
 
 import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -52,12 +53,14 @@ def record(
     With --ring nothing is written until something happens: an event, or a query to RIG/recorder/save.
     """
     from bridge.processes.recorder.process import run_recorder
+    from bridge.recording.names import own_name
     from bridge.wire.link import Link
 
     request = _request(topics, without, (split_size, split_time, fsync), (ring, after, triggers), meta)
-    path = output or Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
+    default = Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
     link = Link(None, connect, zenoh_config, patience)
-    written = run_recorder(path, rig, link, mode == ProcessMode.LOCKSTEP, request)
+    with nullcontext(output) if output else own_name(default) as path:
+        written = run_recorder(path, rig, link, mode == ProcessMode.LOCKSTEP, request)
     if as_json:
         print_json({"recording": str(written[-1]) if written else None, "parts": [str(part) for part in written]})
     else:

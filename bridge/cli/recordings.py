@@ -1,5 +1,6 @@
 """Verbs on recordings: info, recover, export, compare."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -31,13 +32,18 @@ def recover(
     ] = None,
     as_json: AS_JSON = False,
 ) -> None:
-    """Recover the readable part of a truncated recording, or join the parts of one run."""
+    """Recover the readable part of a truncated or damaged recording, or join the parts of one run.
+
+    Exit code 1: nothing could be recovered.
+    """
     from bridge.recording.recover import recover as copy
 
     done = copy(files, output or files[0].with_stem(f"{files[0].stem}-recovered"))
     if as_json:
         print_json(done._asdict() | {"path": str(done.path)})
         return
+    for note in done.notes:
+        print(f"hydrotwin: {note}", file=sys.stderr)
     damaged = f", {done.damaged} damaged chunks left out" if done.damaged else ""
     print(f"{done.path}: {done.messages} messages{damaged}" + (" (nothing was missing)" if done.whole else ""))
 

@@ -2,6 +2,7 @@
 
 import json
 import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -56,10 +57,11 @@ def run(
         refuse_fast_daq(checked, speed)
     from bridge.cli.printing import print_summary
     from bridge.processes.options import RunOptions
+    from bridge.recording.names import own_name
     from bridge.runs.run import run_scenario, shown
 
-    path = recording or default_recording(checked.name)
-    outcome = run_scenario(checked, RunOptions(mode, path, speed, fifo, patience, external, listen))
+    with nullcontext(recording) if recording else own_name(default_recording(checked.name)) as path:
+        outcome = run_scenario(checked, RunOptions(mode, path, speed, fifo, patience, external, listen))
     if summary_file == Path("-"):
         print_json(outcome.summary)
     else:

@@ -61,8 +61,9 @@ def problems(recording: Recording) -> list[str]:
     """What is not as it should be, one sentence each; empty for a run that ended well."""
     known, found = recording.metadata, []
     recovered = "recovered" in known
-    if not recording.complete:
+    if recording.damage.cut:
         found.append("the run ended badly: the file was cut off; `hydrotwin recover` makes it whole")
+    found += recording.damage.words()
     if "refused" in known:
         found.append(
             f"the run ended badly for the recorder: {known['refused']['reason']} at {known['refused']['time']}"
@@ -83,7 +84,7 @@ def _verdict(recording: Recording) -> list[str]:
             return [f"the run went badly: {fault}" for fault in verdict(known["summary"], recording.scenario())]
         except UsageError:
             return []
-    return _unsummed(known) if "run" in known and recording.complete and "recovered" not in known else []
+    return _unsummed(known) if "run" in known and not recording.damage.cut and "recovered" not in known else []
 
 
 def _unsummed(known: dict[str, Any]) -> list[str]:

@@ -1,31 +1,31 @@
-"""Read a recording back: messages, columns, metadata; files that were cut off too."""
+"""Read a recording back: messages, columns, metadata; of a damaged file what is sound, and what is missing."""
 
-import json
-import struct
-import zlib
+import logging
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
-from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import lz4.frame
 import numpy as np
-import zstandard
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Metadata, Schema
-from mcap.stream_reader import StreamReader
 from numpy.typing import NDArray
 
 from bridge.errors import UsageError
+from bridge.recording.channels import ChannelFacts, Channels
+from bridge.recording.damage import Damage, damage
+from bridge.recording.facts import facts_of
+from bridge.recording.layout import MESSAGE, READ, RECORD, parsed
+from bridge.recording.scan import Piece, Scan, contents, described_at_end, inside
 from bridge.scenario import Scenario, check
 from bridge.wire.codec import STORE
-from bridge.wire.messages import TOPICS, field_names, struct_format
+from bridge.wire.messages import (
+    TOPICS,
+    field_names,
+    struct_format,
+)
+from controller.grid import NS
 
-RECORD = struct.Struct("<BQ")  # opcode, length
-MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
+log = logging.getLogger("hydrotwin")
 
 
 class Entry(NamedTuple):
@@ -37,24 +37,16 @@ class Entry(NamedTuple):
     data: bytes
 
 
-class ChannelFacts(NamedTuple):
-    """What a file says of a channel."""
-
-    key: str  # in full
-    type: str
-    encoding: str
-    definition: str  # `.msg` text, or whatever the schema is
-
-
 class Recording(NamedTuple):
     """What a file holds, in file order."""
 
     path: Path
     entries: list[Entry]
     metadata: dict[str, dict[str, Any]]
-    complete: bool  # False: the file was cut off; what came before is here
+    complete: bool  # False: messages are missing that had been recorded
     counts: dict[str, int]  # messages per topic, those not read included
     channels: Mapping[str, ChannelFacts] = {}  # per topic
+    damage: Damage = Damage()
 
     def of(self, topic: str) -> Iterator[Entry]:
         """The messages of one topic."""
@@ -88,92 +80,80 @@ def recording(path: Path, entries: list[Entry], metadata: dict[str, dict[str, An
     return Recording(path, entries, metadata, True, dict(Counter(entry.topic for entry in entries)))
 
 
-def read(path: Path, topics: Collection[str] | None = None) -> Recording:
-    """Read a file, or some of its topics. Raises UsageError when there is none or it is no MCAP."""
-    counts: Counter[str] = Counter()
-    entries: list[Entry] = []
-    metadata: dict[str, dict[str, Any]] = {}
-    index = Index()
-    complete = True
-    try:
-        with path.open("rb") as file:
-            if file.read(8) != b"\x89MCAP0\r\n":
-                raise UsageError(f"{path}: not an MCAP file")
-            file.seek(0)
-            for record in StreamReader(file, emit_chunks=True).records:
-                if isinstance(record, Channel | Schema):
-                    index.add(record)
-                elif isinstance(record, Chunk):
-                    entries.extend(_messages(record, index, topics, counts))
-                elif isinstance(record, Metadata):
-                    metadata[record.name] = {key: _value(text) for key, text in record.metadata.items()}
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}") from None
-    except (McapError, ValueError, KeyError, struct.error, RuntimeError, zstandard.ZstdError):
-        complete = False
-    return Recording(path, entries, metadata, complete, dict(counts), index.facts)
+def read(path: Path, topics: Collection[str] | None = None, growing: bool = False) -> Recording:
+    """Read a file, or some of its topics. Raises UsageError when there is none or it is not MCAP.
+
+    What is missing is logged as a warning; growing: the file is still being written and has no end yet.
+    """
+    with contents(path) as data:
+        content = _Content(Channels(described_at_end(data)), topics)
+        content.take(Scan(data, content.channels.topics))
+        if content.damage.nameless or content.damage.records:  # what is described further on may help
+            content = _Content(content.channels, topics)
+            content.take(Scan(data, content.channels.topics))
+    found = content.recording(path)
+    if not growing and (words := missing(found)):
+        log.warning("%s: %s", path, "; ".join(words))
+    return found
 
 
-class Index:
-    """The channels of a file by their number there."""
-
-    def __init__(self) -> None:
-        self.topics: dict[int, str] = {}
-        self.facts: dict[str, ChannelFacts] = {}
-        self._schemas: dict[int, Schema] = {}
-
-    def add(self, record: Channel | Schema) -> None:
-        """Take note of a channel or of its type."""
-        if isinstance(record, Schema):
-            self._schemas[record.id] = record
-            return
-        schema = self._schemas.get(record.schema_id)
-        topic = self.topics[record.id] = _below_rig(record.topic)
-        name, text = (schema.name, schema.data.decode(errors="replace")) if schema else ("", "")
-        self.facts[topic] = ChannelFacts(record.topic, name, record.message_encoding, text)
+def missing(recording: Recording) -> list[str]:
+    """What is missing in a recording, in words."""
+    cut = []
+    if recording.damage.cut:
+        last = max((entry.log_time for entry in recording.entries), default=None)
+        cut = ["cut off: it holds no messages" if last is None else f"cut off after t = {last / NS:g} s"]
+    return cut + recording.damage.words()
 
 
-def _messages(chunk: Chunk, index: Index, topics: Collection[str] | None, counts: Counter[str]) -> Iterator[Entry]:
-    """The messages of a chunk, walked by the format's own layout: five times faster than record by record."""
-    data = decompressed(chunk)
-    at = 0
-    while at < len(data):
-        opcode, length = RECORD.unpack_from(data, at)
-        at += RECORD.size
-        if opcode == Opcode.MESSAGE:
-            channel_id, sequence, log_time, _ = MESSAGE.unpack_from(data, at)
-            topic = index.topics[channel_id]
-            counts[topic] += 1
-            if topics is None or topic in topics:
-                yield Entry(topic, log_time, sequence, data[at + MESSAGE.size : at + length])
-        elif opcode in (Opcode.CHANNEL, Opcode.SCHEMA):
-            kind = Channel if opcode == Opcode.CHANNEL else Schema
-            index.add(kind.read(ReadDataStream(BytesIO(data[at : at + length]))))
-        at += length
+class _Content:
+    """What a scan brings together."""
 
+    def __init__(self, channels: Channels, topics: Collection[str] | None) -> None:
+        self.channels = channels
+        self.entries: list[Entry] = []
+        self.counts: Counter[str] = Counter()
+        self.metadata: dict[str, dict[str, Any]] = {}
+        self.damage = Damage()
+        self._topics = topics
 
-def decompressed(chunk: Chunk) -> bytes:
-    """What a chunk holds, checked. Ours are zstd."""
-    if chunk.compression == "zstd":
-        data = zstandard.decompress(chunk.data, chunk.uncompressed_size)
-    elif chunk.compression == "lz4":
-        data = lz4.frame.decompress(chunk.data)
-    elif chunk.compression:
-        raise McapError(f"compression {chunk.compression!r} is unknown")
-    else:
-        data = chunk.data
-    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
-        raise McapError("a chunk is damaged")
-    return data
+    def take(self, scan: Scan) -> None:
+        """Take all that a scan finds."""
+        for piece in scan:
+            if piece.opcode == Opcode.CHUNK:
+                self._take_chunk(piece.content)
+            elif piece.opcode == Opcode.MESSAGE:
+                self._take_chunk(RECORD.pack(piece.opcode, len(piece.content)) + piece.content)
+            elif piece.opcode == Opcode.METADATA:
+                self._take_metadata(scan, piece)
+            else:
+                self.channels.add(piece.record)
+        nameless = self.counts.pop("", 0)  # messages of channels that are not described
+        if nameless:
+            self.entries = [entry for entry in self.entries if entry.topic]
+        self.damage = damage(scan, nameless)
 
+    def recording(self, path: Path) -> Recording:
+        """All of it."""
+        whole = not self.damage.messages_missing
+        counts, facts = dict(self.counts), self.channels.facts()
+        return Recording(path, self.entries, self.metadata, whole, counts, facts, self.damage)
 
-def _below_rig(topic: str) -> str:
-    """The topic's name without the rig's, which may have slashes itself."""
-    return next((name for name in sorted(TOPICS, key=len, reverse=True) if topic.endswith(f"/{name}")), topic)
+    def _take_chunk(self, records: bytes) -> None:
+        topics, wanted, counts, add = self.channels.topics, self._topics, self.counts, self.entries.append
+        for opcode, begin, end in inside(records):
+            if opcode != Opcode.MESSAGE:
+                self.channels.add(parsed(opcode, records[begin:end]) if opcode in READ else None)
+            elif end - begin >= MESSAGE.size:
+                channel, sequence, log_time, _ = MESSAGE.unpack_from(records, begin)
+                topic = topics.get(channel, "")
+                counts[topic] += 1
+                if wanted is None or topic in wanted:
+                    add(Entry(topic, log_time, sequence, records[begin + MESSAGE.size : end]))
 
-
-def _value(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except json.JSONDecodeError:
-        return text
+    def _take_metadata(self, scan: Scan, piece: Piece) -> None:
+        facts = facts_of(piece.record)
+        if facts is None:
+            scan.records_lost += 1
+        else:
+            self.metadata[piece.record.name] = facts

@@ -4,7 +4,10 @@ What is written waits in memory until `flush`. If the disk then refuses, the fil
 and the room that was kept for that moment is given free for last words.
 """
 
+import errno
+import fcntl
 import os
+import stat
 import time
 from pathlib import Path
 
@@ -20,7 +23,7 @@ class Sink:
         self.longest = 0.0  # seconds that a flush took
         self._fsync = fsync
         self._waiting = bytearray()
-        self._file = os.open(path, os.O_CREAT | os.O_WRONLY | os.O_TRUNC | os.O_CLOEXEC, 0o644)
+        self._file = _opened(path)
         self._reserve = _reserved(path.parent)
 
     def write(self, data: bytes) -> int:
@@ -77,6 +80,21 @@ class Sink:
         if self._reserve is not None:
             os.close(self._reserve)
             self._reserve = None
+
+
+def _opened(path: Path) -> int:
+    """An empty file, ours as long as it is open. Raises OSError when another program is recording to it."""
+    file = os.open(path, os.O_CREAT | os.O_WRONLY | os.O_CLOEXEC, 0o644)
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(file)
+        raise OSError(errno.EBUSY, "another program is recording to it", str(path)) from None
+    except OSError:
+        pass  # a file system without locks
+    if stat.S_ISREG(os.fstat(file).st_mode):
+        os.ftruncate(file, 0)
+    return file
 
 
 def _reserved(folder: Path) -> int | None:

@@ -14,6 +14,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Metadata
 from mcap.writer import CompressionType, Writer
 
+from bridge.errors import UsageError
 from bridge.recording.reader import Entry
 from bridge.recording.sink import Sink
 from bridge.wire.codec import encode, type_hash
@@ -33,6 +34,14 @@ QOS = """\
   liveliness_lease_duration: {sec: 9223372036, nsec: 854775807}
   avoid_ros_namespace_conventions: false
 """
+
+
+def new_recording(path: Path, rig_name: str) -> "RecordingWriter":
+    """A file of a run. Raises UsageError with one line when it cannot be made, or another run writes to it."""
+    try:
+        return RecordingWriter(path, rig_name)
+    except OSError as error:
+        raise UsageError(f"{path}: {error.strerror}; record to another file") from None
 
 
 class RecordingWriter:

@@ -12,7 +12,7 @@ from bridge.recording.compare import compare
 from bridge.recording.reader import Entry, Recording, read
 from bridge.recording.reader import recording as in_memory
 from bridge.recording.summary import NEEDED, summarise
-from bridge.recording.writer import RecordingWriter
+from bridge.recording.writer import RecordingWriter, new_recording
 from bridge.replay.into_controller import FedController, heard, only, owner, through_side
 from bridge.replay.into_plant import through_plant
 from bridge.replay.residual import Residuals, Verdict, events_apart
@@ -47,14 +47,14 @@ def replay_through(path: Path, request: Through) -> Verdict:
     else:
         circuit_of(scenario)  # refused before a file is begun
     run = recording.metadata["run"]
-    writer = RecordingWriter(request.output, scenario.rig_name)
+    writer = new_recording(request.output, scenario.rig_name)
     replayed = {"file": path.name, "into": request.into, "changes": list(request.changes)}
     writer.metadata("run", run | {"scenario": scenario.model_dump(mode="json"), "mode": "replay", "replayed": replayed})
     residuals = Residuals(recording, int(run["run_id"]))
     entries = _written(writer, _replayed(recording, scenario, request, residuals))
     writer.flush()
     verdict = _judge(recording, in_memory(request.output, entries, {}), request)
-    writer.metadata("summary", summarise(read(request.output, NEEDED), scenario, {}))
+    writer.metadata("summary", summarise(read(request.output, NEEDED, growing=True), scenario, {}))
     writer.metadata("replay", {"passed": verdict.passed, "signals": [d._asdict() for d in verdict.differences]})
     writer.close()
     return verdict

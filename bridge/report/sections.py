@@ -133,6 +133,7 @@ def origin(runs: list[Run], names: list[str]) -> str:
         facts |= {"mode": about.get("mode"), **about.get("versions", {}), **about.get("host", {})}
         words = ", ".join(f"{key} {value}" for key, value in facts.items() if value)
         messages = sum(run.recording.counts.values())
-        whole = "" if run.recording.complete else ", CUT OFF"
+        recording = run.recording
+        whole = "" if recording.complete else ", CUT OFF" if recording.damage.cut else ", DAMAGED"
         rows.append((text(name), text(f"{words}, {messages} messages{whole}")))
     return f"<footer id='origin'><h2>Origin</h2>{table(('run', ''), rows)}</footer>\n"

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.processes.options import RunOptions
+from bridge.recording.names import own_name
 from bridge.recording.reader import read
 from bridge.runs.run import Outcome, run_scenario
 from bridge.scenario import Scenario
@@ -54,12 +55,18 @@ class CheckResult(NamedTuple):
 
 def check_scenario(scenario: Scenario, mode: Mode, folder: Path) -> CheckResult:
     """Run a scenario headless and judge it."""
-    path = folder / f"{scenario.name}-check.mcap"
-    outcome = run_scenario(scenario, RunOptions(mode, path))
-    verdicts = judge_run(outcome, scenario)
-    return CheckResult(
-        scenario, verdicts, outcome.faults, outcome.summary["notes"], outcome.recording, outcome.interrupted
-    )
+    with own_name(folder / f"{scenario.name}-check-running.mcap") as path:
+        outcome = run_scenario(scenario, RunOptions(mode, path))
+        verdicts = judge_run(outcome, scenario)
+        recording = _renamed(outcome, folder / f"{scenario.name}-check.mcap")
+    return CheckResult(scenario, verdicts, outcome.faults, outcome.summary["notes"], recording, outcome.interrupted)
+
+
+def _renamed(outcome: Outcome, path: Path) -> Path | None:
+    """A recording that is judged, and its picture, get the names of the scenario's last check."""
+    if outcome.picture is not None:
+        outcome.picture.replace(path.with_suffix(outcome.picture.suffix))
+    return None if outcome.recording is None else outcome.recording.replace(path)
 
 
 def junit_xml(results: list[CheckResult]) -> str:

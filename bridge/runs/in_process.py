@@ -8,7 +8,7 @@ from bridge.loop.exchange import exchange, sides
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.summary import summarise
-from bridge.recording.writer import RecordingWriter
+from bridge.recording.writer import new_recording
 from bridge.scenario import Scenario
 
 
@@ -20,7 +20,7 @@ def record_in_process(
 ) -> Recording:
     """Run a scenario and record it; returns what the file holds."""
     plant, controller = sides(scenario)
-    writer = RecordingWriter(path, scenario.rig_name)
+    writer = new_recording(path, scenario.rig_name)
     head = manifest(scenario, plant.run_id)
     writer.metadata("run", head)
     entries: list[Entry] = []

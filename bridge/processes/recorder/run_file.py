@@ -176,7 +176,7 @@ class RunFile:
             return
         self._parts.flush()
         paths = self._parts.paths[-1:] if self._ring is not None else self._parts.paths
-        summary = summarise(_joined([read(path, NEEDED) for path in paths]), self.scenario, self.losses())
+        summary = summarise(_joined([read(path, NEEDED, growing=True) for path in paths]), self.scenario, self.losses())
         ending = self._ending or (
             "complete in itself: the run went on" if self._ring is not None else summary["ending"]
         )
