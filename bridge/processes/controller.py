@@ -7,11 +7,13 @@ from typing import Any
 from bridge.errors import RunError
 from bridge.loop.controller import ControllerSide
 from bridge.machine.process import Stop, prepare
+from bridge.processes.contact import Contact
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
 from bridge.wire.link import Link
 from bridge.wire.messages import GOING, EventKind, Mode, Phase, Reason, reason_of
+from controller.grid import NS
 
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 
@@ -35,10 +37,11 @@ class ControllerProcess:
             ready(topic)
             bus.subscribe(topic, self._guarded(topic, heed))
         bus.watch()
+        self._contact = Contact(bus)
         bus.announce()
 
     def run(self) -> None:
-        """Answer until the plant has ended or is gone. Raises what the law raised, or RunError when refused."""
+        """Answer until the plant has ended. Raises what the law raised, RunError when refused or the plant is lost."""
         while not self.stop() and not self._finished():
             time.sleep(0.02)
             if self._fault is not None:
@@ -83,7 +86,11 @@ class ControllerProcess:
     def _finished(self) -> bool:
         if self._last_tick is not None:
             return self._tick >= self._last_tick or time.monotonic() > self._deadline
-        return not self.bus.present.get("plant", {"?"})
+        if not self._contact.lost():
+            return False
+        if words := self._contact.words(f"t = {self._stamp / NS:g} s"):
+            raise RunError(words)
+        return True
 
 
 def run_controller(scenario: Scenario, link: Link, mode: Mode, source: int, fifo: bool) -> None:

@@ -242,6 +242,11 @@ def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> dict[str
     circuit_of(scenario)  # refused before anybody is told of it
     prepare(options.fifo)
     with Bus(link, scenario.rig_name, "plant", blocking=options.mode == Mode.LOCKSTEP) as bus:
+        if others := bus.others("plant"):
+            raise RunError(
+                f"rig {scenario.rig_name!r} has a plant already (process {', '.join(others)}): stop it, or give this "
+                "one a name of its own with --set rig_name=NAME"
+            )
         process = PlantProcess(bus, scenario, options)
         try:
             process.stop.listen()

@@ -21,6 +21,7 @@ from bridge.wire.link import Link, LinkError, free_endpoint
 from bridge.wire.messages import GOING, Mode
 
 SILENCE = 5.0  # seconds without a word from the plant after which it counts as gone
+STANDSTILL = 5.0  # seconds without a turn that no load explains
 FAREWELL = 8.0  # seconds that processes get to finish once they should
 READING = 0.1  # seconds per simulated second that the recorder gets on top, to read its file for the summary
 STARTUP = 90.0  # seconds to the first word: the first start compiles
@@ -97,11 +98,22 @@ class Supervisor:
     def _watch(self, endpoint: str) -> None:
         bus = self._listen(endpoint)
         try:
+            looked = time.clock_gettime(time.CLOCK_BOOTTIME)
             while not self._over():
                 time.sleep(0.05)
+                looked = self._note_standstill(looked)
         finally:
             if bus is not None:
                 bus.close()
+
+    def _note_standstill(self, looked: float) -> float:
+        """Whoever stands still has been suspended, and the run with it; the clock counts a computer's sleep too."""
+        now = time.clock_gettime(time.CLOCK_BOOTTIME)
+        if now - looked > STANDSTILL:
+            self.faults.append(
+                f"the run stood still for {now - looked:.0f} s: the computer or the processes were suspended"
+            )
+        return now
 
     def _listen(self, endpoint: str) -> Bus | None:
         """Our own ear for what the processes say of themselves."""
@@ -184,8 +196,8 @@ class Supervisor:
 
 
 def _state(file: Path) -> tuple[int, int, int] | None:
-    """What changes when a file is written; None where there is none."""
-    if not file.is_file():
+    """What changes when a file is written; None where there is none, or nothing in it."""
+    if not file.is_file() or not file.stat().st_size:
         return None
     found = file.stat()
     return found.st_ino, found.st_size, found.st_mtime_ns

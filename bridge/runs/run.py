@@ -36,7 +36,6 @@ def run_scenario(scenario: Scenario, options: RunOptions) -> Outcome:
         stop.leave()
     notes = [*coarse, *notes]
     if recording is None:
-        faults = faults or ["the run left no recording"]
         summary = {"scenario": scenario.name, "faults": faults, "notes": notes}
         return Outcome(scenario, summary, faults, None, None, stop.asked)
     summary = recording.metadata.get("summary") or summarise(recording, scenario, {})

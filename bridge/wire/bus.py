@@ -122,6 +122,11 @@ class Bus:
         key = f"{self.rig_name}/alive/{self.role}/{os.getpid()}"
         self._declared.append(self.session.liveliness().declare_token(key))
 
+    def others(self, role: str) -> list[str]:
+        """Who plays a role on this rig already, by process ids."""
+        found = self.session.liveliness().get(f"{self.rig_name}/alive/{role}/*", timeout=1.0)
+        return [str(reply.ok.key_expr).rpartition("/")[2] for reply in found if reply.ok is not None]
+
     def watch(self) -> None:
         """Keep `present` up to date: role -> process ids."""
 

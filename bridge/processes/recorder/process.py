@@ -12,6 +12,7 @@ from typing import Any
 
 from bridge.errors import RunError
 from bridge.machine.process import NOTE, Stop
+from bridge.processes.contact import Contact
 from bridge.processes.recorder.run_file import (
     ORDERING,
     Arrival,
@@ -21,6 +22,7 @@ from bridge.processes.recorder.run_file import (
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.link import Link
 from bridge.wire.messages import TOPICS, Phase
+from controller.grid import NS
 
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
 YIELDING = 5  # niceness: the loop's own processes come first
@@ -57,6 +59,7 @@ class RecorderProcess:
                 bus.subscribe(topic, lambda sample, topic=topic: self._keep(topic, sample))
         bus.answer(SAVE, self._save)
         bus.watch()
+        self._contact = Contact(bus)
 
     def run(self) -> list[Path]:
         """Record until the plant has ended or is gone. Raises RunError when no plant answers or the disk refuses."""
@@ -67,7 +70,14 @@ class RecorderProcess:
         while not self.stop() and not self._over(file):
             time.sleep(DRAIN_PERIOD)
             file = self._drain(file)
-        return self._close(file)
+        written = self._close(file)
+        if (
+            file.ended_at is None
+            and self._contact.lost()
+            and (words := self._contact.words(f"t = {file.stamp / NS:g} s"))
+        ):
+            raise RunError(f"{words}; what was recorded is in {', '.join(map(str, written)) or 'no file'}")
+        return written
 
     def _drain(self, file: RunFile) -> RunFile:
         """Write what has come; gives the file that is then open."""
@@ -76,7 +86,7 @@ class RecorderProcess:
             self._saves -= 1
             file.trigger(file.stamp)
         for arrival in self._arrived():
-            if file.is_of_another_run(arrival):
+            if self._may_begin_another(file) and file.is_of_another_run(arrival):
                 file = self._next_file(file)
             file.take(arrival)
             file.flush_by_time()
@@ -143,9 +153,13 @@ class RecorderProcess:
             topic, sample = self._inbox.get()
             yield Arrival(topic, sample.payload.to_bytes(), stamp_of(sample))
 
+    def _may_begin_another(self, file: RunFile) -> bool:
+        """A run is kept to as long as its plant may still be among several."""
+        return file.ended_at is not None or len(self.bus.present.get("plant", ())) < 2
+
     def _over(self, file: RunFile) -> bool:
         if file.ended_at is None:
-            return not self.bus.present.get("plant", {"?"}) and self._inbox.empty()
+            return self._contact.lost() and self._inbox.empty()
         expected = {"plant"} | ({"controller"} & set(self.bus.present))
         settled = expected <= file.announced and not file.tally.losses()
         return settled or time.monotonic() - file.ended_at > PATIENCE
