@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from controller.stability.actuator.model import (
     TABLE_5_1,
@@ -25,6 +24,7 @@ from controller.stability.orbits.arc import (
     end_rates,
     follow,
 )
+from twin.integration import integrate
 
 PLANT = Actuator(0.01, 0.5, 0.5)
 STATE = np.array([0.002, -0.004, 0.45, 0.57])
@@ -80,8 +80,9 @@ def signal(loop: Loop, y: np.ndarray) -> float:
 def test_an_arc_is_what_scipy_integrates(kind: int):
     """Bar of 1e-8 on pressures of size 1; both integrators are asked for 1e-11 a step."""
     loop, start = LOOPS[kind], STATE * [-1, 1, 1, 1]
-    with_scipy = solve_ivp(
-        lambda _, y: field(y, signal(loop, y), PLANT), (0.0, 0.02), start, method="DOP853", rtol=1e-12, atol=1e-13
+    limits = {"rtol": 1e-12, "atol": 1e-13}
+    with_scipy = integrate(
+        lambda _, y: field(y, signal(loop, y), PLANT), (0.0, 0.02), start, "DOP853", most=200_000, **limits
     )
     row, time = follow(start, 0.02, loop, 1e-11, False)
     assert time == 0.02

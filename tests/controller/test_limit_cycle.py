@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.integrate import quad_vec, solve_ivp
+from scipy.integrate import quad_vec
 
 from controller.stability.actuator.analogue import analogue_edge, analogue_frequency
 from controller.stability.actuator.model import Actuator, mirror
@@ -39,11 +39,14 @@ from controller.stability.orbits.limit_cycle import (
     solve,
     with_gain,
 )
+from tests.support.stiff_valve import by_radau
+from twin.integration import Solution, integrate
 
 PLANT = Actuator(0.01, 0.5, 0.5)  # of Figs 5.4 and 5.5
 FALLING = PLANT._replace(k=-0.2)  # friction that falls with speed
 S, D = 10.0, 0.1
 LEAST = np.array([1e-18, 1e-16, 1e-13, 1e-13])  # absolute errors of scipy: small orbits are small in x first
+MOST = 200_000  # evaluations of the rates in a run
 EDGE = float(analogue_edge(D, PLANT.k, PLANT.gamma))
 
 
@@ -91,34 +94,39 @@ def rates(orbit: Orbit, side: float) -> Callable[[float, np.ndarray], list[float
     return of
 
 
-def run(orbit: Orbit, start: np.ndarray, side: float, time: float, to_switch: bool = False, stiff: bool = False):
-    """scipy's run with the valve on one side; to the next switch, if so wanted and if it comes first. Pressures
-    that pass the supply are stiff there."""
+def switching(orbit: Orbit, side: float):
+    """The event of scipy that ends a run at its next switch."""
     s, d = orbit.loop.gains
 
     def switch(_t: float, y: np.ndarray) -> float:
         return s * y[0] + d * y[1]
 
     switch.terminal, switch.direction = True, side  # pyright: ignore[reportFunctionMemberAccess]
-    events = switch if to_switch else None
-    return solve_ivp(
-        rates(orbit, side),
-        (0.0, time),
-        start,
-        "LSODA" if stiff else "DOP853",
-        rtol=1e-9 if stiff else 1e-11,
-        atol=LEAST,
-        events=events,
-    )
+    return switch
+
+
+def run(orbit: Orbit, start: np.ndarray, side: float, time: float, to_switch: bool = False) -> Solution:
+    """scipy's run with the valve on one side; to the next switch, if so wanted and if it comes first."""
+    limits = {"rtol": 1e-11, "atol": LEAST, "events": switching(orbit, side) if to_switch else None}
+    return integrate(rates(orbit, side), (0.0, time), start, "DOP853", most=MOST, **limits)
+
+
+def run_stiff(orbit: Orbit, start: np.ndarray, side: float, time: float, to_switch: bool = False) -> Solution:
+    """The same of a relay whose pressures pass the supply, where they are stiff."""
+    events = switching(orbit, side) if to_switch else None
+    return by_radau(start, side, time, orbit.loop.actuator, rtol=1e-10, atol=LEAST, events=events)
 
 
 @pytest.mark.parametrize("name", ["relay", "passing", "proportional", "crossed"])
 def test_an_orbit_returns_to_itself(orbits: dict[str, Orbit], name: str):
-    """By scipy at 1e-11, with the root itself where the orbit was found with an edge laminar at 1e-9 of the supply."""
+    """By scipy at 1e-11, with the root itself where the orbit was found with an edge laminar at 1e-9 of the supply.
+
+    Through the supply by Radau, with an edge laminar at 1e-11.
+    """
     orbit = orbits[name]
     y = orbit.starts[0]
     for side in (1.0, -1.0):
-        y = run(orbit, y, side, orbit.lengths[0], stiff=name == "passing").y[:, -1]
+        y = (run_stiff if name == "passing" else run)(orbit, y, side, orbit.lengths[0]).y[:, -1]
     assert y == pytest.approx(orbit.starts[0], abs=1e-8)
     assert y[:2] == pytest.approx(orbit.starts[0, :2], abs=1e-11)
     s, d = orbit.loop.gains
@@ -146,7 +154,7 @@ def test_the_linear_relay_orbit_is_half_a_turn_of_the_linear_loop():
     def linear(_t: float, z: np.ndarray) -> list[float]:
         return [z[1], z[2] - k * z[1], -2.0 * z[1] - g * z[2] + root2 * gamma]
 
-    end = solve_ivp(linear, (0.0, 0.03), z, rtol=1e-12, atol=1e-16).y[:, -1]
+    end = integrate(linear, (0.0, 0.03), z, "RK45", most=MOST, rtol=1e-12, atol=1e-16).y[:, -1]
     assert end == pytest.approx(-z, rel=1e-9)
     assert S * z[0] + d * z[1] == pytest.approx(0.0, abs=1e-15)
     edge = float(relay_edge(S, k, gamma, alpha))
@@ -211,11 +219,12 @@ def test_multipliers_are_those_of_the_motion_over_a_period(orbits: dict[str, Orb
 
     def turned(y: np.ndarray) -> np.ndarray:
         time, side = 0.0, 1.0
-        while True:
+        for _ in range(4):
             piece = run(orbit, y, side, orbit.period - time, to_switch=True)
             y, time, side = piece.y[:, -1], time + piece.t[-1], -side
             if piece.status == 0:
                 return y
+        raise AssertionError(f"switched four times before {time:.6g} of {orbit.period:.6g}")
 
     seen = np.array([turned(middle + e) - turned(middle - e) for e in np.diag(size)]).T / (2.0 * size)
     assert np.sort(np.linalg.eigvals(seen)) == pytest.approx(np.sort(orbit_multipliers(orbit)), abs=2e-5)
@@ -252,7 +261,8 @@ def test_an_orbit_through_the_supply_forgets_its_pressures(orbits: dict[str, Orb
 def test_greatest_values_are_those_of_a_fine_run(orbits: dict[str, Orbit]):
     orbit = orbits["proportional"]
     span = 0.0, orbit.period
-    fine = solve_ivp(rates(orbit, 1.0), span, orbit.starts[0], "DOP853", rtol=1e-10, atol=1e-12, max_step=0.01)
+    limits = {"rtol": 1e-10, "atol": 1e-12, "max_step": 0.01}
+    fine = integrate(rates(orbit, 1.0), span, orbit.starts[0], "DOP853", most=MOST, **limits)
     assert peaks(orbit) == pytest.approx(fine.y.max(axis=1), rel=1e-4)
     times, states = profile(orbit, 8)
     assert times[-1] == pytest.approx(orbit.period, rel=1e-12)
@@ -311,7 +321,7 @@ def half_turns(orbit: Orbit, start: np.ndarray, count: int) -> np.ndarray:
     """y2 at `count` switchings of scipy's run, each as seen before its mirror."""
     seen, y = [], start
     for _ in range(count):
-        y = mirror(run(orbit, y, 1.0, 20.0 * orbit.lengths[0], to_switch=True, stiff=True).y[:, -1])
+        y = mirror(run_stiff(orbit, y, 1.0, 20.0 * orbit.lengths[0], to_switch=True).y[:, -1])
         seen.append(y[1])
     return np.array(seen)
 
@@ -336,7 +346,8 @@ def swing(orbit: Orbit, start: np.ndarray, periods: int) -> np.ndarray:
     """Greatest |y2| in each of some periods of the proportional loop, from `start`."""
     end, each = periods * orbit.period, 64
     times = np.linspace(0.0, end, each * periods + 1)
-    y2 = solve_ivp(rates(orbit, 1.0), (0.0, end), start, "DOP853", times, rtol=1e-7, atol=1e-12).y[1, :-1]
+    limits = {"t_eval": times, "rtol": 1e-7, "atol": 1e-12}
+    y2 = integrate(rates(orbit, 1.0), (0.0, end), start, "DOP853", most=MOST, **limits).y[1, :-1]
     return np.abs(y2).reshape(periods, each).max(axis=1)
 
 

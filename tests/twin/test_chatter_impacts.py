@@ -137,3 +137,12 @@ def test_a_bifurcation_diagram_holds_the_tops_of_each_flow():
 def test_what_has_no_period_one_orbit_says_so():
     with pytest.raises(ValueError, match=r"no period-one orbit at q = 0\.1"):
         impact_orbit(valve(CONICAL, 0.1, 0.0, k=0.1), settle=2000)
+
+
+def test_a_valve_that_creeps_to_its_rest_without_a_swing_is_calm():
+    """Damping 5 and more: no top ever comes, and the run ends all the same."""
+    for damping in (5.0, 20.0):
+        s = System(CHAMFERED, 1.0, 1.0, 1.0, damping, 0.8)
+        assert basin(s, np.array([1.5]), np.zeros(1)).tolist() == [[CALM]]
+        with pytest.raises(ValueError, match="no period-one orbit"):
+            impact_orbit(s, settle=10)

@@ -326,6 +326,7 @@ def test_random_switching_ends_stay_bounded(pipe: Pipe):
 
 
 @pytest.mark.endurance
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("pipe", [*RIG, *CORNERS])
 def test_random_switching_ends_stay_bounded_for_long(pipe: Pipe):
     bounded(pipe, 1_000_000)

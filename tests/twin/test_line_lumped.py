@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from tests.support.exact_line import (
     HELD_FLOW,
@@ -16,6 +15,7 @@ from tests.support.exact_line import (
     at_rest,
     run,
 )
+from twin.integration import integrate
 from twin.lines.bank import bank_of, memory_size, settle, steady_drop
 
 PIPE = Pipe(2.5, 11e-3, 40e-6, STEEL, 878.0)
@@ -73,7 +73,7 @@ def test_order_is_two():
     def rates(t: float, y: np.ndarray) -> list[float]:
         return [2.0 / c * (flow(t) - y[2]), 2.0 / c * y[2], (y[0] - y[1] - bank.resistance[0] * y[2]) / i]
 
-    end = solve_ivp(rates, (0.0, 0.01), [0.0, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    end = integrate(rates, (0.0, 0.01), [0.0, 0.0, 0.0], "DOP853", most=200_000, rtol=1e-12, atol=1e-12).y[:, -1]
 
     def miss(step: float) -> float:
         line, memory = at_rest(PIPE.spec("lumped"), step)

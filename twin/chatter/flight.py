@@ -12,6 +12,7 @@ from twin.kernel import inlined, kernel
 
 TOP, HIT, END = 1.0, 2.0, 3.0  # why a flight ends: highest lift, impact, time
 LONGEST, SHORTEST = 0.5, 1e-12  # of a step: no event hides between two others
+MOST = 100_000  # steps of a flight: a poppet that comes to rest without an event flies no further
 REST = 1e-9  # of the steady lift, per unit of time
 
 
@@ -107,9 +108,9 @@ def event_step(y1: float, y2: float, y3: float, high: float, lift: bool, s: Syst
 
 @kernel
 def fly(at: Point, end: float, tolerance: float, s: System) -> Point:
-    """On to the next event, or to the time `end`; tolerance: of a step, absolute."""
+    """On to the next event, or to the time `end`; tolerance: of a step, absolute. END after MOST steps, too."""
     t, y1, y2, y3, h = at.time, at.y1, at.y2, at.y3, at.step
-    while True:
+    for _ in range(MOST):
         h = min(h, LONGEST)
         last = t + h >= end
         length = end - t if last else h
@@ -136,6 +137,7 @@ def fly(at: Point, end: float, tolerance: float, s: System) -> Point:
         if last:
             return Point(end, y1, y2, y3, bigger, END)
         h = bigger
+    return Point(t, y1, y2, y3, h, END)
 
 
 @kernel

@@ -31,7 +31,10 @@ class Motion(NamedTuple):
 
 @allocating_kernel
 def tops(y1: float, y2: float, y3: float, skip: int, count: int, tolerance: float, scale: float, s: System) -> Array:
-    """Rows of lift, pressure, time, hardest impact, impacts: of `count` tops after `skip` of them, (count, 5)."""
+    """Rows of lift, pressure, time, hardest impact, impacts: of `count` tops after `skip` of them, (count, 5).
+
+    Fewer where the poppet comes to rest without a top.
+    """
     rows = np.empty((count, 5))
     at = Point(0.0, y1, y2, y3, 1e-3, 0.0)
     n, hardest, hits = 0, 0.0, 0.0
@@ -46,6 +49,8 @@ def tops(y1: float, y2: float, y3: float, skip: int, count: int, tolerance: floa
             n, hardest, hits = n + 1, 0.0, 0.0
             if n == skip + count:
                 return rows
+        else:
+            break
     return rows[: max(0, n - skip)]
 
 
@@ -64,7 +69,7 @@ def next_top(
     hardest, hits = 0.0, 0.0
     for _ in range(1000):
         at = go_on(at, 1e300, tolerance * scale, scale, s)
-        if at.event == TOP:
+        if at.event != HIT:
             break
         hardest, hits = max(hardest, -at.y2), hits + 1.0
     return at.y1, at.y3, at.time, hardest, hits
@@ -92,8 +97,8 @@ def impact_orbit(s: System, tolerance: float = 1e-12, settle: int = 4000) -> Imp
     """
     at, scale = rest(s), rest(s).lift
     run = motion(s, (2.0 * at.lift, 0.0, at.pressure), settle, 1, 1e-9)
-    x = np.array([run.lift[0], run.pressure[0]])
-    for _ in range(30):
+    x = np.array([run.lift[0], run.pressure[0]]) if len(run.lift) else np.zeros(2)  # no top: it crept to its rest
+    for _ in range(30 if len(run.lift) else 0):
         value, slope = _map(x, tolerance, scale, s)
         change = np.linalg.solve(slope - np.eye(2), x - value[:2])
         x = x + change

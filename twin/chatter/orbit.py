@@ -11,14 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from twin.chatter.equilibrium import bare, onset, rest
 from twin.chatter.system import SeatLaw, System, derivative, outflow
+from twin.integration import integrate
 
 Array = NDArray[np.floating]
 TOLERANCE = 3e-14  # of the integration, relative
+MOST = 100_000  # evaluations of the rates per integration; an orbit takes some thousand
 CLOSE = 1e-8  # relative: a smaller correction is the last, its error is of its square
 AMPLITUDES = (0.03, 0.05, 0.08, 0.11)  # of `curvature`
 FREE = ("damping", "flow")
@@ -51,7 +52,8 @@ def variation(start: Array, time: float, s: System, free: str, tolerance: float 
 
     begin = np.concatenate([start, np.eye(3, 4).ravel()])
     scale = 1e-2 * tolerance * max(start[2], 1e-6)
-    end = solve_ivp(slope, (0.0, time), begin, method="DOP853", rtol=tolerance, atol=scale, first_step=0.05).y[:, -1]
+    run = integrate(slope, (0.0, time), begin, "DOP853", most=MOST, rtol=tolerance, atol=scale, first_step=0.05)
+    end = run.y[:, -1]
     return end[:3], end[3:].reshape(3, 4)
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from twin.oil import Oil
 from twin.relief.poppet import cracking_pressure
 from twin.relief.steady import (
+    HIGHEST,
     pilot_flow,
     pilot_lift,
     pilot_pressure,
@@ -63,11 +64,16 @@ def _pilot_flow(p: float, s: ReliefState, valve: Relief) -> float:
 
 
 def knee(valve: Relief) -> Knee:
-    """The pressure at which the pilot's flow lifts the spool off its seat, by bisection to rounding."""
+    """The pressure at which the pilot's flow lifts the spool off its seat, by bisection to rounding.
+
+    Raises ValueError where no pressure lifts it.
+    """
     low = cracking_pressure(valve.pilot)
     high = low + 1e5
     while rest(high, valve).spool_lift == 0.0:
         high = low + 2.0 * (high - low)
+        if high > HIGHEST:
+            raise ValueError(f"no pressure up to {HIGHEST:.0e} Pa lifts the spool; take a softer or less loaded spring")
     for _ in range(100):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if rest(middle, valve).spool_lift == 0.0 else (low, middle)

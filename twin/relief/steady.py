@@ -19,6 +19,7 @@ from twin.relief.poppet import (
 from twin.relief.valve import Relief, ReliefState
 
 HALVINGS = 120  # more than the digits of a float
+HIGHEST = 1e12  # [Pa] beyond which no pressure is looked for
 
 
 @kernel
@@ -118,12 +119,12 @@ def steady_slope(pressure: float, valve: Relief) -> float:
 
 @kernel
 def steady_pressure(flow: float, valve: Relief) -> float:
-    """p [Pa] at which the valve passes a flow [m^3/s] >= 0; the cracking pressure at none."""
+    """p [Pa] at which the valve passes a flow [m^3/s]; the cracking pressure at none, about HIGHEST if none does."""
     low = cracking_pressure(valve.pilot)
     if flow <= 0.0:
         return low
     high = low + 1e5
-    while steady_flow(high, valve) < flow:
+    while steady_flow(high, valve) < flow and high < HIGHEST:
         high = low + 2.0 * (high - low)
     for _ in range(60):
         pressure = 0.5 * (low + high)

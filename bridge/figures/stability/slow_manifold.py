@@ -8,7 +8,6 @@ beside the whole loop, at a d below and one above d_H.
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from bridge.drawing.canvas import (
     Array,
@@ -29,11 +28,14 @@ from controller.stability.actuator.slow_fast import (
 from controller.stability.orbits.arc import RELAY, follow
 from controller.stability.orbits.floquet import samples
 from controller.stability.orbits.limit_cycle import Orbit, analogue_loop
+from twin.integration import integrate
 
 PLANT = Actuator(0.01, 0.5, 0.5)
 S, GAINS = 10.0, (0.1, 0.35)  # s, and d below and above d_H
 STIFF = 0.001  # alpha of the runs on the left: the fall is steeper than the picture can show at 0.01
 STARTS = ((-0.30, -0.6), (-0.1, -0.1), (0.28, 0.9), (-0.2, 1.0))  # y2, y3 - y4
+MOST = 200_000  # evaluations of the rates in a run, which takes some thousand
+LEAST = 1e-12  # of the time: a shorter arc does not lead on
 PLACES, LONGEST, SPEED = 801, 5.0, -2e-3  # of the table; time and first y2 on the right
 BLUE, RED, GREY, GREEN = "#2a6fbb", "#c8413b", "#8a8f98", "#3a9150"
 
@@ -51,7 +53,8 @@ def fall(speed: float, difference: float) -> tuple[Array, Array]:
     def rates(_t: float, y: Array) -> Array:
         return full_rates(np.asarray(y, np.float64), 1.0, PLANT.k, PLANT.gamma, STIFF)
 
-    y = solve_ivp(rates, (0.0, 1.5), start, "Radau", np.geomspace(1e-6, 1.5, 4000), rtol=1e-8, atol=1e-10).y
+    times = np.geomspace(1e-6, 1.5, 4000)
+    y = integrate(rates, (0.0, 1.5), start, "Radau", most=MOST, t_eval=times, rtol=1e-8, atol=1e-10).y
     across, up = y[1], y[2] - y[3]
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(across) / 0.3, np.diff(up)))])
     even = np.linspace(0.0, way[-1], PLACES)
@@ -65,6 +68,8 @@ def whole(d: float, times: Array) -> Array:
     seen, speeds, side = [0.0], [SPEED], 1.0
     while seen[-1] < times[-1] and abs(speeds[-1]) > 1e-6:  # above d_H its switchings pile up at rest
         row, length = follow(y, times[-1] - seen[-1], loop, 1e-10, True)
+        if length < LEAST * times[-1]:
+            raise ArithmeticError(f"the arc from {seen[-1]:.6g} on does not end: its steps vanish, or it has no length")
         t, states = samples(Orbit(loop, y[None, :], np.array([length])), 0, 24)
         seen, speeds = [*seen, *(seen[-1] + t[1:])], [*speeds, *(side * states[1:, 1])]
         y, side = mirror(row[:4]), -side
@@ -86,7 +91,10 @@ def reduced(d: float, times: Array) -> Array:
         def rates(_t: float, y: Array, u: float = side) -> Array:
             return np.array(reduced_rates(float(y[1]), u, PLANT.k, PLANT.gamma, PLANT.alpha), float)
 
-        piece = solve_ivp(rates, (time, times[-1]), y, events=switch, dense_output=True, rtol=1e-9, atol=1e-14)
+        span = (time, float(times[-1]))
+        piece = integrate(rates, span, y, "RK45", most=MOST, events=switch, dense_output=True, rtol=1e-9, atol=1e-14)
+        if piece.t[-1] - time < LEAST * times[-1]:
+            raise ArithmeticError(f"the relay switches again within {LEAST:g} of the time, at {time:.6g}")
         upto = int(np.searchsorted(times, piece.t[-1], side="right"))
         if upto > filled:
             values[filled:upto] = piece.sol(times[filled:upto]).T

@@ -24,6 +24,7 @@ STATE = 4  # width of a row: y alone
 WHOLE = 24  # y, then d y/d(y0, u) row by row, (4, 5)
 LONGEST = 0.2  # of a step [1/omega]: the oil spring, sqrt2, keeps its swing to 1.4e-7 a step, (sqrt2 h)^6/3600
 STIFF = 2.0  # times the pressures' own rate, beyond which a step is not explicit; 3.3 is where that one ends
+MOST = 10_000_000  # steps while a command is held
 SHORTEST = 1e-12  # what a step may shrink to before the run is given up
 
 
@@ -93,10 +94,12 @@ def step_by(w, width, size, u, plant: Held, stages, trial):
 def hold(w, width, u, begin, duration, size, plant: Held, stages, trial, seen: Seen):
     """Follow w, in place, for a duration from the time `begin` at the command u, with steps of about `size` at first.
 
-    Returns the size for the steps to come; 0.0 where steps vanish.
+    Returns the size for the steps to come; 0.0 where steps vanish or MOST of them do not suffice.
     """
     time, fresh = 0.0, False  # fresh: stages[0] has the rates at w
-    while time < duration:
+    for _ in range(MOST):
+        if time >= duration:
+            return size
         rest = duration - time
         step = rest / math.ceil(rest / min(size, LONGEST))
         own3, own4 = relaxation(w, u, plant)
@@ -124,4 +127,4 @@ def hold(w, width, u, begin, duration, size, plant: Held, stages, trial, seen: S
         seen.extremes[0] = min(seen.extremes[0], w[0])
         seen.extremes[1] = max(seen.extremes[1], w[0])
         size = step * max(0.2, min(5.0, 0.9 * max(error, 1e-10) ** power))
-    return size
+    return 0.0

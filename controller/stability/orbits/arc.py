@@ -26,6 +26,7 @@ RELAY, PROPORTIONAL, SMOOTHED, CROSSED = 0, 1, 2, 3
 WIDTH = 28  # of a row: y, then d y/d(y0, s, d) row by row, (4, 6)
 SLOPES = 1e-3  # weight of the error of a derivative against that of a state
 SHARPEST = 1e-12  # drop below which the pure root is not followed in every detail
+MOST = 10_000_000  # steps of an arc
 STABLE = 3.0  # step times the rate of a decay that the pair still damps
 
 
@@ -123,7 +124,7 @@ def step_by(w, size, loop: Loop, stages, trial):
 def follow(y, length, loop: Loop, tolerance, to_switch):
     """Row (28,) at the end of an arc from y, and the time: `length`, or where h rises through 0 before that.
 
-    The time is negative where the piston leaves |y1| < 1 or the steps vanish.
+    The time is negative where the piston leaves |y1| < 1, the steps vanish, or MOST of them do not suffice.
     """
     w, trial, stages = np.zeros(WIDTH), np.empty(WIDTH), np.empty((7, WIDTH))
     w[:4] = y
@@ -132,7 +133,9 @@ def follow(y, length, loop: Loop, tolerance, to_switch):
     s, d = loop.gains
     time, size, below = 0.0, min(1e-3, length), False
     derive(w, stages[0], loop)
-    while time < length:
+    for _ in range(MOST):
+        if time >= length:
+            return w, time
         size = min(size, length - time, STABLE / stiffness(w, loop))
         error = step_by(w, size, loop, stages, trial)
         factor = 0.9 * (tolerance / max(error, 1e-30)) ** 0.2
@@ -159,7 +162,7 @@ def follow(y, length, loop: Loop, tolerance, to_switch):
         if not abs(w[0]) < 1.0:
             return w, -1.0
         size *= max(0.2, min(factor, 5.0))
-    return w, time
+    return w, -1.0
 
 
 def derivatives(row: Array) -> Array:

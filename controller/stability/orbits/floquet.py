@@ -115,4 +115,6 @@ def _turning(y: Array, within: float, loop: Loop, column: int) -> float:
     def rate(time: float) -> float:
         return end_rates(_along(y, time, loop), loop)[column]
 
+    if rate(0.0) * rate(within) >= 0.0:  # it turns at an end, to rounding
+        return y[column]
     return _along(y, float(brentq(rate, 0.0, within, xtol=1e-3 * within)), loop)[column]  # pyright: ignore
