@@ -1,39 +1,42 @@
-"""The whole suite in less time: `python -m tests.suite`.
+"""The whole suite: `python -m tests.suite`, with further options for pytest.
 
-Most of it runs in two processes side by side. What is judged by the clock is listed in TIMED and has the machine for
-itself afterwards.
+First what the tests share is compiled, once. Then most tests run in WORKERS processes side by side; those that are
+marked `timed`, because the clock judges them, follow one after another with the machine for themselves.
 """
 
 import subprocess
 import sys
-import tempfile
-from pathlib import Path
-from typing import IO
 
-FOLDER = Path(__file__).parent
-TIMED = ("foreign_controller", "loop", "network", "processes", "recorder", "replay", "view_live")
+from tests.support.warm import PARTS
+
+WORKERS = 2
+PYTEST = ("-m", "pytest", "-q", "--durations=15")
+MARKED = "timed and not endurance"
+NOTHING_CHOSEN = 5  # pytest's exit code
+OTHERS = "not timed and not endurance"
 
 
-def main() -> int:
+def main(options: list[str]) -> int:
     """0 if all passed."""
-    timed = sorted(str(FOLDER / "bridge" / f"test_{name}.py") for name in TIMED)
-    others = sorted(str(path) for path in FOLDER.rglob("test_*.py") if str(path) not in timed)
-    with tempfile.TemporaryFile("w+") as words:
-        halves = [_pytest(others[0::2]), _pytest(others[1::2], words)]
-        try:
-            codes = [half.wait() for half in halves]
-        finally:
-            for half in halves:
-                half.terminate()
-        words.seek(0)
-        print(words.read(), flush=True)
-    return int(any([*codes, _pytest(timed).wait()]))
+    compile_once()
+    codes = (
+        run(*PYTEST, "-m", OTHERS, "-n", str(WORKERS), "--dist", "worksteal", *options),
+        run(*PYTEST, "-m", MARKED, "-n", "1", *options),
+    )
+    return max(0 if code == NOTHING_CHOSEN and options else code for code in codes)
 
 
-def _pytest(files: list[str], words: IO[str] | None = None) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "pytest", "-q", *files]
-    return subprocess.Popen(command, stdout=words, stderr=words)
+def compile_once() -> None:
+    """What does not compile is for the tests to report."""
+    for process in [subprocess.Popen([sys.executable, "-m", "tests.support.warm", part]) for part in PARTS]:
+        process.wait()
+
+
+def run(*arguments: str) -> int:
+    """Its exit code, 1 where it was killed."""
+    code = subprocess.run([sys.executable, *arguments]).returncode
+    return code if code >= 0 else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -15,7 +15,7 @@ Verdict = tuple[str, str, str]  # state, what was found, advice
 
 
 def pacing() -> Verdict:
-    """The loop's own clock. A tick late by a period is an overrun, and a run allows 100: the p99 of 1000 ticks."""
+    """The loop's own clock. A tick late by a period is an overrun; a run of 10 s allows 100, so 10 of these 1000."""
     lateness = _lateness(SPIN_NS)
     state = "good" if lateness.max() < PERIOD_NS else "fair" if np.quantile(lateness, 0.99) < PERIOD_NS else "bad"
     return (

@@ -1,14 +1,17 @@
 """The command line as a newcomer meets it."""
 
 import json
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
 
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
+from tests.support.command import hydrotwin_here
 from tests.support.processes import ENVIRONMENT, ROOT, hydrotwin
 
 VERBS = (
@@ -19,9 +22,12 @@ VERBS = (
 )
 
 
-def test_help_names_every_verb_and_the_exit_codes():
+def test_help_names_every_verb_there_is_and_the_exit_codes():
+    """The words of the help, against those that the application has registered."""
     text = hydrotwin("--help").stdout
-    assert all(verb in text for verb in VERBS)
+    listed = set(re.findall(r"^\W*([a-z]+)  +[A-Z]", text, re.MULTILINE))
+    assert listed >= set(get_command(app).commands)  # pyright: ignore[reportAttributeAccessIssue]
+    assert set(get_command(app).commands) >= set(VERBS)  # pyright: ignore[reportAttributeAccessIssue]
     assert "Exit codes" in text
     assert "--install-completion" in text
 
@@ -50,10 +56,16 @@ def test_every_verb_explains_itself(verb):
     ],
 )
 def test_wrong_use_exits_with_two_and_without_a_traceback(words, tmp_path):
-    done = hydrotwin(*words, cwd=tmp_path)
+    done = hydrotwin_here(*words, cwd=tmp_path)
     assert done.returncode == 2, done.stdout + done.stderr
     assert "Traceback" not in done.stderr
     assert done.stderr
+
+
+def test_a_process_says_wrong_use_like_the_verb_called_here(tmp_path):
+    words = ("run", "nonsense")
+    there, here = hydrotwin(*words, cwd=tmp_path), hydrotwin_here(*words, cwd=tmp_path)
+    assert (there.returncode, there.stdout, there.stderr) == (here.returncode, here.stdout, here.stderr)
 
 
 def test_run_in_process_leaves_recording_picture_and_summary(tmp_path):
@@ -68,24 +80,24 @@ def test_run_in_process_leaves_recording_picture_and_summary(tmp_path):
 
 
 def test_run_prints_json_when_asked(tmp_path):
-    done = hydrotwin("run", "step", "--mode", "inprocess", "--duration", "2", "--json", "-", cwd=tmp_path)
+    done = hydrotwin_here("run", "step", "--mode", "inprocess", "--duration", "2", "--json", "-", cwd=tmp_path)
     assert json.loads(done.stdout)["ending"] == "complete after 2000 ticks"
 
 
 def test_seed_and_set_change_the_run(tmp_path):
     for name, words in (("a", ()), ("b", ("--seed", "2")), ("c", ("--set", "controller.gain=0.5"))):
         run = ("run", "step", "--mode", "inprocess", "--duration", "1.5", "--record", f"{name}.mcap", *words)
-        assert hydrotwin(*run, cwd=tmp_path).returncode == 0
-    assert hydrotwin("digest", "a.mcap", "a.mcap", cwd=tmp_path).returncode == 0
+        assert hydrotwin_here(*run, cwd=tmp_path).returncode == 0
+    assert hydrotwin_here("digest", "a.mcap", "a.mcap", cwd=tmp_path).returncode == 0
     for other in ("b.mcap", "c.mcap"):
-        done = hydrotwin("digest", "a.mcap", other, cwd=tmp_path)
+        done = hydrotwin_here("digest", "a.mcap", other, cwd=tmp_path)
         assert done.returncode == 1
         assert "DIFFERS" in done.stdout
-    assert set(json.loads(hydrotwin("digest", "a.mcap", "--json", cwd=tmp_path).stdout)) == {"a.mcap"}
+    assert set(json.loads(hydrotwin_here("digest", "a.mcap", "--json", cwd=tmp_path).stdout)) == {"a.mcap"}
 
 
 def test_check_passes_good_scenarios_and_writes_junit(tmp_path):
-    done = hydrotwin("check", "step", "slow-sampling", "delay", "--junit", "j.xml", cwd=tmp_path)
+    done = hydrotwin_here("check", "step", "slow-sampling", "delay", "--junit", "j.xml", cwd=tmp_path)
     assert done.returncode == 0, done.stdout
     root = ET.parse(tmp_path / "j.xml").getroot()
     assert [suite.get("name") for suite in root] == ["step", "slow-sampling", "delay"]
@@ -94,7 +106,7 @@ def test_check_passes_good_scenarios_and_writes_junit(tmp_path):
 
 
 def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
-    done = hydrotwin("check", "step", "--set", "controller.gain=8", "--junit", "j.xml", cwd=tmp_path)
+    done = hydrotwin_here("check", "step", "--set", "controller.gain=8", "--junit", "j.xml", cwd=tmp_path)
     assert done.returncode == 1
     assert "limit cycle: none" in done.stdout
     assert "FAILED" in done.stdout
@@ -104,30 +116,30 @@ def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
 
 @pytest.mark.parametrize("name", ["square", "sine", "hold-load"])
 def test_check_passes_the_other_built_in_scenarios(name, tmp_path):
-    done = hydrotwin("check", name, cwd=tmp_path)
+    done = hydrotwin_here("check", name, cwd=tmp_path)
     assert done.returncode == 0, done.stdout
 
 
 def test_the_stable_gain_of_slow_sampling_is_stable_at_a_millisecond(tmp_path):
     fast = ("--set", "loop.sample_period=0.001", "--set", "expect=['limit cycle: none']")
-    assert hydrotwin("check", "slow-sampling", *fast, cwd=tmp_path).returncode == 0
+    assert hydrotwin_here("check", "slow-sampling", *fast, cwd=tmp_path).returncode == 0
     prompt = ("--set", "loop.delay=0", "--set", "expect=['limit cycle: none']")
-    assert hydrotwin("check", "delay", *prompt, cwd=tmp_path).returncode == 0
+    assert hydrotwin_here("check", "delay", *prompt, cwd=tmp_path).returncode == 0
 
 
 @pytest.mark.parametrize("verb", ["scenarios", "messages", "figures"])
-def test_lists_come_as_json_too(verb):
-    assert json.loads(hydrotwin(verb, "--json").stdout)
+def test_lists_come_as_json_too(verb, tmp_path):
+    assert json.loads(hydrotwin_here(verb, "--json", cwd=tmp_path).stdout)
 
 
-def test_messages_print_formats_and_definitions():
-    text = hydrotwin("messages").stdout
+def test_messages_print_formats_and_definitions(tmp_path):
+    text = hydrotwin_here("messages", cwd=tmp_path).stdout
     assert "<4x3Q2qd" in text
     assert "float64 spool" in text
 
 
-def test_the_schema_is_json_schema():
-    schema = json.loads(hydrotwin("schema").stdout)
+def test_the_schema_is_json_schema(tmp_path):
+    schema = json.loads(hydrotwin_here("schema", cwd=tmp_path).stdout)
     assert schema["properties"]["loop"]
 
 
@@ -144,7 +156,7 @@ def test_the_readme_speaks_python(tmp_path):
 def test_the_scenario_of_the_readme_passes_its_own_check(tmp_path):
     snippet = (ROOT / "README.md").read_text().partition("```toml\n")[2].partition("```")[0]
     (tmp_path / "own.toml").write_text(snippet)
-    done = hydrotwin("check", "own.toml", cwd=tmp_path)
+    done = hydrotwin_here("check", "own.toml", cwd=tmp_path)
     assert done.returncode == 0, done.stdout
 
 

@@ -13,7 +13,7 @@ from bridge.runs.convergence import (
     convergence,
 )
 from bridge.scenario import Scenario, load
-from tests.support.processes import hydrotwin
+from tests.support.command import hydrotwin_here
 
 LUMPED = [f"rig.pipe_{i}.model=lumped" for i in range(1, 7)]
 HALF_OPEN = ["controller.law=open-loop", "reference={kind='constant', value=0.5}"]
@@ -73,16 +73,16 @@ def changes() -> list[str]:
     return [word for change in [*LUMPED, *SMOOTH, *HALF_OPEN] for word in ("--set", change)]
 
 
-def test_the_verb_prints_a_row_for_each_signal():
-    done = hydrotwin("convergence", "step", *changes())
+def test_the_verb_prints_a_row_for_each_signal(tmp_path):
+    done = hydrotwin_here("convergence", "step", *changes(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "step at 100, 50 and 25 us" in done.stdout
     row = next(line for line in done.stdout.splitlines() if line.startswith("position"))
     assert float(row.split()[-1]) == pytest.approx(2.0, abs=0.1)
 
 
-def test_the_verb_prints_json_without_nan():
-    text = hydrotwin("convergence", "step", *changes(), "--json").stdout
+def test_the_verb_prints_json_without_nan(tmp_path):
+    text = hydrotwin_here("convergence", "step", *changes(), "--json", cwd=tmp_path).stdout
     rows = {row["signal"]: row for row in json.loads(text)}
     assert "NaN" not in text
     assert rows["spool"]["order"] is None

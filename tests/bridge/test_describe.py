@@ -14,7 +14,7 @@ from bridge.scenario.describe import (
     values_of,
     warnings,
 )
-from tests.support.processes import hydrotwin
+from tests.support.command import hydrotwin_here
 from twin.rig import RIG
 
 ALL = [f"{part}.{name}" for part, entries in RIG.items() for name in entries]
@@ -91,22 +91,22 @@ def test_a_step_too_coarse_is_marked_and_warned_of_with_both_numbers():
     assert marked == ["pipe_1"]
 
 
-def test_the_verb_prints_picture_values_facts_limits_and_warnings():
-    done = hydrotwin("describe", "load-change-502", "--set", "loop.step='125 us'")
+def test_the_verb_prints_picture_values_facts_limits_and_warnings(tmp_path):
+    done = hydrotwin_here("describe", "load-change-502", "--set", "loop.step='125 us'", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert PICTURE in done.stdout
     for word in ("load.added", "183 kg", "this scenario", "502 rpm", "Table 2.1", "TOO COARSE", "warning: loop.step"):
         assert word in done.stdout
 
 
-def test_the_verb_prints_json_when_asked():
-    found = json.loads(hydrotwin("describe", "step", "--set", "rig.load.mass=302", "--json").stdout)
+def test_the_verb_prints_json_when_asked(tmp_path):
+    found = json.loads(hydrotwin_here("describe", "step", "--set", "rig.load.mass=302", "--json", cwd=tmp_path).stdout)
     assert set(found) == {"values", "facts", "step"}
     assert [value["name"] for value in found["values"] if value["changed"]] == ["load.mass"]
     assert {row["part"] for row in found["step"]} >= {"pipe_1", "load", "pump", "valve"}
 
 
-def test_a_wrong_change_is_refused_by_the_verb():
-    done = hydrotwin("describe", "step", "--set", "rig.load.mas=3")
+def test_a_wrong_change_is_refused_by_the_verb(tmp_path):
+    done = hydrotwin_here("describe", "step", "--set", "rig.load.mas=3", cwd=tmp_path)
     assert done.returncode == 2
     assert "did you mean 'mass'" in done.stderr

@@ -16,7 +16,9 @@ import pytest
 from bridge.machine import doctor, punctuality
 from bridge.machine.clock import SPIN_NS, Tick
 from bridge.machine.doctor import LOOKS, Finding, examine
+from bridge.scenario.model import RealTime, Scenario
 from bridge.wire.link import LinkError
+from controller.grid import NS
 
 ROOT = Path(__file__).parents[2]
 MS = 1_000_000
@@ -90,12 +92,14 @@ def test_a_right_refused_is_fair(monkeypatch: pytest.MonkeyPatch):
     ("late", "state"),
     [
         (0, "good"),
-        (1, "fair"),  # an overrun, but a run allows ten
-        (10, "fair"),
+        (1, "fair"),
+        (10, "fair"),  # of 1000 ticks, as 100 of the 10 000 of a run
         (11, "bad"),
     ],
 )
 def test_clock_is_judged_by_the_overruns_a_run_allows(late: int, state: str, monkeypatch: pytest.MonkeyPatch):
+    assert RealTime().overruns == 100
+    assert Scenario.model_fields["duration"].default * NS == 10_000 * MS
     _fake_ticks(monkeypatch, [2 * MS] * late + [1_000] * (1000 - late))
     assert punctuality.pacing()[0] == state
 

@@ -16,7 +16,7 @@ from tests.support.processes import (
     with_signal,
 )
 
-pytestmark = pytest.mark.endurance
+pytestmark = [pytest.mark.endurance, pytest.mark.timeout(1200)]
 LOOSE = ("--set", "real_time.overruns=100000", "--set", "real_time.length=100")
 
 

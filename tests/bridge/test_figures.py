@@ -76,9 +76,19 @@ def test_an_unknown_figure_is_refused_with_the_nearest(tmp_path: Path, name: str
     assert not (tmp_path / "none").exists()
 
 
+def module(name: str) -> str:
+    """The module that draws a figure."""
+    draw = FIGURES[name].draw
+    return getattr(draw, "func", draw).__module__
+
+
+FIRST = {module(name): name for name in reversed(FIGURES) if name not in LONG}
+
+
 def marks(name: str):
-    """Long figures, and charts that differ from others in a number only, are for the long trials."""
-    return pytest.mark.endurance if name in LONG or (name in CHARTS and name not in ("5.9", "5.16")) else ()
+    """Of the figures of a module one is drawn here, of the charts one more; the others are for the long trials."""
+    shown = name == FIRST.get(module(name)) or name == next(iter(CHARTS))
+    return () if shown else (pytest.mark.endurance, pytest.mark.timeout(900))
 
 
 def test_every_figure_names_a_function_that_is_there():

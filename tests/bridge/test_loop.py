@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bridge.recording.digest import digest
-from bridge.recording.reader import read
+from bridge.recording.reader import Recording, read
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from controller.grid import NS
@@ -37,18 +37,23 @@ def in_process(folder) -> dict[str, str]:
     return digest(folder / "inprocess.mcap")
 
 
-@pytest.mark.parametrize("again", [1, 2])
-def test_lockstep_through_the_wire_is_the_in_process_loop(folder, in_process, again):
-    path = folder / f"lockstep-{again}.mcap"
-    run_recorded(path, *SHORT, "--mode", "lockstep")
-    assert digest(path) == in_process
+@pytest.fixture(scope="module")
+def lockstep(folder) -> Recording:
+    return run_recorded(folder / "lockstep.mcap", *SHORT, "--mode", "lockstep")
 
 
-def test_lockstep_recordings_are_in_order_across_channels(folder, in_process):
-    whole = read(folder / "lockstep-1.mcap")
+def test_lockstep_through_the_wire_is_the_in_process_loop(folder, in_process, lockstep):
+    assert digest(lockstep.path) == in_process
+    again = run_recorded(folder / "again.mcap", *SHORT, "--mode", "lockstep")
+    assert digest(again.path) == in_process
+
+
+def test_lockstep_recordings_are_in_order_across_channels(folder, in_process, lockstep):
+    whole = lockstep
     assert [e for e in whole.entries if e.topic != "status"] == read(folder / "inprocess.mcap").entries
 
 
+@pytest.mark.timed
 def test_a_real_time_run_without_late_commands_is_the_same(folder, in_process):
     """With a delay that a busy machine keeps to; a run that was late all the same says so and is tried again."""
     for attempt in range(4):

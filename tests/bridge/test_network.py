@@ -81,6 +81,7 @@ def assert_whole(recording: Recording) -> None:
     assert summary["commands"]["sent"] == summary["messages"]["reference"] == ticks // 10 + 1
 
 
+@pytest.mark.timed
 def test_a_router_carries_a_real_time_run_without_loss(tmp_path):
     endpoint = free_endpoint()
     text = (NETWORK / "router.json5").read_text()

@@ -12,12 +12,14 @@ from bridge.scenario import load
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.codec import ValveCommand, encode
 from controller.grid import NS
-from twin.circuit.block import compiled, observed, run_block
+from twin.circuit.block import compiled, run_block
 from twin.circuit.equilibrium import equilibrium
-from twin.circuit.state import flatten, unflatten
+from twin.circuit.state import flatten, flows, oil_in, pressures, unflatten
+from twin.rig import RIG
 from twin.topology import OBSERVED
 
 MS, RUN, OWNER = 1_000_000, 5, 21
+CAVITIES = {name for name in OBSERVED if name.startswith("cavity_")}
 QUIET = ["daq.noise=0", "daq.quantise=false", "daq.skew=0", "loop.delay=0"]
 
 
@@ -61,13 +63,40 @@ def test_a_command_acts_at_its_own_instant_inside_a_block():
 
 
 def test_the_true_state_is_what_was_observed_at_the_end_of_the_block():
-    """Every signal of OBSERVED, by its own name, beside the reference in force and the stamp."""
+    """Under each name what the parts of the plant's state hold, after 50 ms in which no two pressures stay alike."""
     side = plant()
     assert side.take(command(0, 0, 0, 0.8))
-    state = next(m.message for m in side.tick() if m.topic == "state")
-    seen = observed(unflatten(side._state), circuit_of(side.scenario))
-    assert {name: getattr(state, name) for name in OBSERVED} == seen
-    assert (state.stamp, state.reference) == (MS, 0.8)
+    for _ in range(49):
+        side.tick()
+    message = next(m.message for m in side.tick() if m.topic == "state")
+    state = unflatten(side._state)
+    p, relief = pressures(state), state.core.relief.state
+    assert len({round(value) for value in p}) == 9
+    expected = {
+        "position": state.piston.position,
+        "velocity": state.piston.velocity,
+        "spool": state.spool.position,
+        **{f"p_{name}": getattr(p, name) for name in ("pump", "p", "a", "lower", "upper", "b", "t")},
+        "p1": p.tee,
+        "p_return": p.back,
+        **{f"flow_{i}": flow for i, flow in enumerate(flows(state), 1)},
+        "flow_relief": state.core.relief.flow,
+        "relief_pilot": relief.pilot_lift,
+        "relief_spool": relief.spool_lift,
+        "mass": RIG["load"]["mass"].value,
+        "oil_stored": pytest.approx(oil_in(state) + lines_hold(side), rel=1e-12),
+        "oil_pumped": state.ledger.pumped,
+        "oil_relieved": state.ledger.relieved,
+        "oil_returned": state.ledger.returned,
+    }
+    assert {name: getattr(message, name) for name in expected} == expected
+    assert {name for name in OBSERVED if name not in expected} == {"flow_pump", "friction", *CAVITIES}
+    assert (message.stamp, message.reference) == (50 * MS, 0.8)
+
+
+def lines_hold(side: PlantSide) -> float:
+    """Oil that fills the lines [m^3]."""
+    return circuit_of(side.scenario).parts.line_volume
 
 
 BAD: dict[str, Callable[[int], bytes]] = {

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bridge.processes.recorder.parts import Keeping
 from bridge.processes.recorder.process import RecorderProcess
 from bridge.processes.recorder.ring import Ring, Window
 from bridge.processes.recorder.run_file import Request
@@ -28,7 +27,7 @@ from bridge.scenario import load
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
 from bridge.wire.link import Link, free_endpoint
-from bridge.wire.messages import TOPICS
+from tests.support.command import hydrotwin_here
 from tests.support.processes import (
     child,
     children,
@@ -208,6 +207,7 @@ def test_the_loop_runs_to_its_end_without_its_recorder_s_disk(tmp_path):
     assert_whole(read(path))
 
 
+@pytest.mark.timed
 def test_a_slow_disk_loses_nothing_and_holds_nobody(tmp_path, monkeypatch):
     """Every flush takes 0.6 s, three times as long as they are apart: messages wait in memory, the plant does not."""
     hand_over = Sink._hand_over
@@ -275,18 +275,28 @@ def killed(path: Path, roles: tuple[str, ...], seconds: float) -> None:
 ROLES = [("record",), ("plant",), ("controller",), ("plant", "controller", "record")]
 
 
+@pytest.mark.timed
 @pytest.mark.parametrize("roles", [ROLES[0], ROLES[-1]], ids="+".join)
 def test_a_kill_leaves_all_up_to_a_quarter_of_a_second_before_it(tmp_path, roles):
     killed(tmp_path / "a.mcap", roles, 0.7)
 
 
 @pytest.mark.endurance
+@pytest.mark.timeout(1800)
 def test_fifty_kills_at_random_moments(tmp_path):
     rng = random.Random(11)
     for turn in range(50):
         killed(tmp_path / f"{turn}.mcap", ROLES[turn % len(ROLES)], rng.uniform(0.0, 2.5))
 
 
-def test_topics_of_the_table_are_what_can_be_chosen():
-    keeping = Keeping(frozenset({"state"}))
-    assert [topic for topic in TOPICS if Request(keeping).wants(topic)] == ["state"]
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (("--topics", "presure/p1"), "no topic fits 'presure/p1'; did you mean 'pressure/p1'?"),
+        (("--topics", "state", "--without", "stat*"), "no topic is left of state"),
+    ],
+)
+def test_topics_that_are_not_in_the_table_are_refused_before_anybody_is_waited_for(words, complaint, tmp_path):
+    done = hydrotwin_here("record", *words, "--connect", free_endpoint(), "--patience", "60", cwd=tmp_path)
+    assert done.returncode == 2
+    assert complaint in done.stderr

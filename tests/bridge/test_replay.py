@@ -51,6 +51,7 @@ def listener(endpoint: str, rig: str = "rig", topics: tuple[str, ...] = tuple(TO
         yield bus, came
 
 
+@pytest.mark.timed
 def test_at_its_own_speed_messages_are_as_far_apart_as_they_were(recording):
     """Seen by a subscriber in another process: p99 of the error between one measurement and the next within 1 ms.
 
@@ -82,6 +83,7 @@ def test_at_top_speed_every_message_comes_and_equal_stamps_keep_their_order(reco
     assert [row[2] for row in came] == sorted(row[2] for row in came)
 
 
+@pytest.mark.timed
 def test_a_query_pauses_steps_seeks_changes_speed_and_resumes(recording):
     endpoint = free_endpoint()
     words = ("--paused", "--topics", "measurement", "--listen", endpoint)

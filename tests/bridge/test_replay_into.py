@@ -16,6 +16,7 @@ from bridge.replay.through import Through, replay_through
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from tests.bridge.test_golden import TOLERANCES
+from tests.support.command import hydrotwin_here
 from tests.support.processes import (
     child,
     children,
@@ -118,7 +119,7 @@ def test_a_changed_gain_is_found_and_located(lockstep, folder):
     """The residual is there in the recording, too: the change of the command, from the first sample on that has any."""
     output = folder / "stiffer.mcap"
     command = ("replay", str(lockstep.path), "--into", "controller", "--set", *STIFFER, "-o", str(output), "--json")
-    done = hydrotwin(*command)
+    done = hydrotwin_here(*command, cwd=folder)
     assert done.returncode == 1, done.stderr
     found = {entry["signal"]: entry for entry in json.loads(done.stdout)["signals"]}
     assert not found["command.spool"]["passed"]
@@ -133,7 +134,7 @@ def test_a_changed_gain_is_found_and_located(lockstep, folder):
 def test_a_changed_plant_is_found_and_judged_by_tolerances(lockstep, folder):
     output = folder / "heavier.mcap"
     command = ("replay", str(lockstep.path), "--into", "plant", "--set", "rig.load.mass=126 kg", "-o", str(output))
-    done = hydrotwin(*command, "--json")
+    done = hydrotwin_here(*command, "--json", cwd=folder)
     assert done.returncode == 1
     found = {entry["signal"]: entry for entry in json.loads(done.stdout)["signals"]}
     assert 0.0 <= found["measurement.p2"]["first"] < 2.5
@@ -146,16 +147,16 @@ def test_a_changed_plant_is_found_and_judged_by_tolerances(lockstep, folder):
 
 def test_compare_says_where_two_runs_part(lockstep, folder):
     other = record_in_process(load("step", ["duration=2.5", "reference.at=1.2 s"]), folder / "other.mcap")
-    same = hydrotwin("compare", str(lockstep.path), str(lockstep.path))
+    same = hydrotwin_here("compare", str(lockstep.path), str(lockstep.path), cwd=folder)
     assert same.returncode == 0
     assert "DIFFERS" not in same.stdout
-    done = hydrotwin("compare", str(lockstep.path), str(other.path), "--json")
+    done = hydrotwin_here("compare", str(lockstep.path), str(other.path), "--json", cwd=folder)
     assert done.returncode == 1
     found = {entry["signal"]: entry for entry in json.loads(done.stdout)["signals"]}
     assert found["reference.position"]["first"] == pytest.approx(1.0, abs=0.011)
     assert found["reference.position"]["greatest"] == pytest.approx(0.06)
     allowed = ("--tolerance", "*=1e12", "--tolerance", "measurement.position=1 um", "--topics", "measurement")
-    done = hydrotwin("compare", str(lockstep.path), str(other.path), *allowed, "--json")
+    done = hydrotwin_here("compare", str(lockstep.path), str(other.path), *allowed, "--json", cwd=folder)
     assert [e["signal"] for e in json.loads(done.stdout)["signals"] if not e["passed"]] == ["measurement.position"]
 
 

@@ -56,6 +56,7 @@ def test_a_run_beyond_the_edge_is_the_same_through_the_wire(tmp_path: Path):
 
 
 @pytest.mark.endurance
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize(
     ("interval", "delay", "guess"),
     [(0.05, 0.0, 1.2), (0.1, 0.0, 0.73), (0.2, 0.0, 0.49), (0.5, 0.0, 0.19), (0.1, 0.06, 0.5), (0.1, 0.15, 0.35)],

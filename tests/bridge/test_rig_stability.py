@@ -57,7 +57,7 @@ def test_criterion_tells_growth_from_decay_and_irregular_swings():
     assert not judge_swing(t, 1e-4 * np.sin(8.0 * t), 0.0, 2e-3, exact=False).oscillates  # less than the card can tell
 
 
-@pytest.mark.parametrize("interval", [0.3, pytest.param(0.5, marks=pytest.mark.endurance)])
+@pytest.mark.parametrize("interval", [0.3, pytest.param(0.5, marks=[pytest.mark.endurance, pytest.mark.timeout(600)])])
 def test_the_ideal_twin_begins_to_oscillate_where_its_linearisation_says(interval):
     """Between the edges up and down, which differ by the load's pressure alone; at half the sampling frequency."""
     scenario = ideal(interval)

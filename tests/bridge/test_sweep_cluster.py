@@ -55,22 +55,23 @@ def killed_after(part: Path, lines: int, process: subprocess.Popen[bytes]) -> No
     assert process.wait() == -signal.SIGKILL
 
 
-@pytest.mark.parametrize("workers", [2, pytest.param(1, marks=pytest.mark.endurance)])
+@pytest.mark.parametrize("workers", [2, pytest.param(1, marks=[pytest.mark.endurance, pytest.mark.timeout(300)])])
 def test_a_killed_sweep_on_a_cluster_resumes_to_the_same_file(workers: int, tmp_path: Path):
     output = tmp_path / "found.json"
     with cluster(workers) as address:
-        code = "import sys, pathlib, tests.test_sweep_cluster as t; t.run_sweep(sys.argv[1], pathlib.Path(sys.argv[2]))"
+        code = f"import sys, pathlib, {__name__} as t; t.run_sweep(sys.argv[1], pathlib.Path(sys.argv[2]))"
         killed_after(output.with_suffix(".part"), 4, start("-c", code, address, str(output)))
         kept = output.with_suffix(".part").read_text().splitlines()
         assert 4 <= len(kept) < 1 + len(POINTS)
         begun = time.monotonic()
         run_sweep(address, output)
-        assert time.monotonic() - begun < 0.15 * len(POINTS) + 10.0
+        assert time.monotonic() - begun < 0.15 * len(POINTS) + 60.0  # resumed, not waiting for the dead
     assert output.read_text() == json.dumps(sweep(slow_square, POINTS, ABOUT, None, HERE))
     assert not output.with_suffix(".part").exists()
 
 
 @pytest.mark.endurance
+@pytest.mark.timeout(1800)
 def test_a_map_is_the_same_whoever_makes_it_and_whenever_it_was_killed(tmp_path: Path):
     """One process here; clusters of one and of two, killed after some of the runs and started again: four files."""
     command = ("-m", "bridge", *MAP.split(), "-o")

@@ -173,7 +173,7 @@ def test_page_answers_on_loopback_and_ends_with_its_program(recorded: Path, endi
                 assert answer.status == 200
                 assert b"rerun" in answer.read().lower()
             server.send_signal(ending)
-            assert server.wait(15) == code
+            assert server.wait(60) == code
         finally:
             server.kill()
     with pytest.raises(OSError, match="refused"):

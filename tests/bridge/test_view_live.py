@@ -18,6 +18,7 @@ from bridge.wire.bus import STAMP
 from bridge.wire.codec import encode
 from bridge.wire.link import free_endpoint
 from tests.bridge.test_view import column
+from tests.support.command import hydrotwin_here
 from tests.support.processes import (
     hydrotwin,
     started,
@@ -103,6 +104,7 @@ def running(*changes: str):
         yield process, endpoint
 
 
+@pytest.mark.timed
 def test_a_running_plant_is_drawn_to_its_end(tmp_path: Path):
     """Into a file, tick by tick: at 1 kHz nothing is missing between the first and the last."""
     path = tmp_path / "live.rrd"
@@ -116,6 +118,7 @@ def test_a_running_plant_is_drawn_to_its_end(tmp_path: Path):
     assert any("ended" in text for text in column(path, "/events", "TextLog:text")[1])
 
 
+@pytest.mark.timed
 @pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
 def test_a_stalled_or_killed_viewer_holds_nobody(tmp_path: Path, number: signal.Signals):
     """The run is as long as without it and loses nothing."""
@@ -145,7 +148,7 @@ def test_mistakes_get_one_line(tmp_path: Path):
         (("--screenshot", "missing/a.png"), "there is no folder missing"),
         (("--at", "soon"), "--at soon"),
     ):
-        done = hydrotwin("view", *arguments, cwd=tmp_path)
+        done = hydrotwin_here("view", *arguments, cwd=tmp_path)
         assert done.returncode in (1, 2)
         assert complaint in done.stderr
         assert done.stderr.count("\n") == 1

@@ -94,3 +94,9 @@ def test_a_start_above_the_support_carries_it():
     assert carried_mass(weight_at(0.2, held), held) == 303.0
     assert carried_mass(weight_at(0.1, held), held) == 120.0
     assert carried_mass(weight_at(0.2, load(added=0.0)), held._replace(added=0.0)) == 120.0
+
+
+def test_a_piston_that_rests_at_the_support_carries_the_weight_and_one_below_does_not():
+    assert weight_at(SUPPORT, load()) == Weight(SUPPORT, 0.0, 1.0)
+    assert weight_at(math.nextafter(SUPPORT, 0.0), load()) == Weight(SUPPORT, 0.0, 0.0)
+    assert weight_at(SUPPORT, load(added=0.0)).carried == 0.0

@@ -1,0 +1,41 @@
+"""Compile what the suite's tests share: `python -m tests.support.warm PART`.
+
+Done once before the workers start, a part in each of two processes; all of them then find it in the cache. A kernel
+that only one file of tests calls is left to that file.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+
+def plant() -> None:
+    """The circuit as every built-in scenario has it."""
+    from bridge.runs.in_process import record_in_process
+    from bridge.scenario import load, names
+
+    with tempfile.TemporaryDirectory() as folder:
+        for name in names():
+            record_in_process(load(name, ["duration=0.01"]), Path(folder) / f"{name}.mcap")
+
+
+def theory() -> None:
+    """Orbits, sampled loops and their linear theory, the relief valve's chatter, a linear circuit."""
+    from controller.stability.actuator.model import Actuator
+    from controller.stability.actuator.swing import PLAIN, swings
+    from controller.stability.orbits.birth import relay_birth
+    from twin.chatter.basin import basin
+    from twin.chatter.system import CHAMFERED, CONICAL, System
+
+    swings(PLAIN._replace(s=0.1, tau=1.0))
+    relay_birth(Actuator(0.01, 0.5, 0.5), 10.0, 0.005)
+    for law in (CHAMFERED, CONICAL):
+        basin(System(law, 1.0, 1.0, 1.0, 0.2, 0.8), np.array([1.1]), np.zeros(1), 32)
+
+
+PARTS = {"plant": plant, "theory": theory}
+
+if __name__ == "__main__":
+    PARTS[sys.argv[1]]()
