@@ -18,7 +18,7 @@ COMPONENTS = (
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (
-        ("topology", "rig", "cache_folder", "compiled_code"),
+        ("topology", "rig", "integration", "cache_folder", "compiled_code"),
         ("kernel",),
         COMPONENTS,
         ("seats", "lines"),

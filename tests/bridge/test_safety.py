@@ -69,6 +69,7 @@ def test_order_is_by_sequence_and_by_time_of_action():
     assert again is not None
     assert older is not None
     assert (again.reason, older.reason) == ("out of order", "stale")
+    assert gate.check(command(6, apply_at=20 * MS), now=0) is None  # for the very instant since which the one acts
 
 
 def test_the_first_valid_controller_owns_the_plant_until_released():
