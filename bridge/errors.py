@@ -1,7 +1,10 @@
-"""What ends a run badly, what keeps it from starting, and the words for a name that is not known."""
+"""What ends a run badly, what keeps it from starting, and the words for it."""
 
 import difflib
-from collections.abc import Collection
+import unicodedata
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 LIKENESS = 0.55  # of 1: below this a suggestion would mislead
 
@@ -23,3 +26,30 @@ def nearest(word: str, valid: Collection[str], further: str = "") -> str:
     near = difflib.get_close_matches(word, valid, n=1, cutoff=LIKENESS)
     known = ", ".join([*(name or "none" for name in valid), *([further] if further else [])])
     return (f"; did you mean {near[0]!r}?" if near else "") + f" (valid: {known})"
+
+
+def reason(error: OSError) -> str:
+    """What the system refuses, in one line: the file if it is known, and why."""
+    place = error.filename or "cannot write to standard output or to a temporary file"
+    return f"{place}: {error.strerror or error}"
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[Path]:
+    """Make the folder of a file to be written; what the system then refuses is a RunError that names the file."""
+    try:
+        with suppress(FileExistsError):  # a file of that name: to open what lies in it says so better
+            path.parent.mkdir(parents=True, exist_ok=True)
+        yield path
+    except OSError as error:
+        raise RunError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def is_hidden(character: str) -> bool:
+    """Does a character steer a terminal, break a line, or have no place in XML?"""
+    return unicodedata.category(character) in ("Cc", "Cs", "Zl", "Zp") or character in "\ufffe\uffff"
+
+
+def visible(text: str) -> str:
+    """A text with hidden characters spelled out."""
+    return "".join(c.encode("unicode_escape").decode() if is_hidden(c) else c for c in text)

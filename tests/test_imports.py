@@ -33,7 +33,8 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
         ("stability.orbits",),
     ),
     "bridge": (
-        ("errors", "drawing"),
+        ("errors",),
+        ("drawing",),
         ("wire",),
         ("scenario", "machine"),
         ("loop", "recording"),

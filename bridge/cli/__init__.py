@@ -4,6 +4,8 @@ import logging
 import signal
 import sys
 
+from bridge.cli import streams
+
 
 def main() -> None:
     """Run the command line; mistakes of the user get one line each and no traceback.
@@ -12,20 +14,28 @@ def main() -> None:
     import can get lost.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    streams.prepare()
+    code, words = _outcome()
+    if (refused := streams.refusal()) is not None:
+        code, words = code or 1, refused
+    streams.complain(words)
+    sys.exit(code)
+
+
+def _outcome() -> tuple[int, str]:
+    """Exit code, and what there is to complain of."""
     from bridge.cli.verbs import app
-    from bridge.errors import RunError, UsageError
+    from bridge.errors import RunError, UsageError, reason
 
     logging.basicConfig(format="hydrotwin: %(message)s", level=logging.WARNING)  # on standard error
     try:
         app()
+    except SystemExit as end:
+        return (end.code, "") if isinstance(end.code, int) else (int(end.code is not None), str(end.code or ""))
     except UsageError as error:
-        _complain(str(error))
-        sys.exit(2)
+        return 2, str(error)
     except RunError as error:
-        _complain(str(error))
-        sys.exit(1)
-
-
-def _complain(text: str) -> None:
-    for line in text.splitlines():
-        print(f"hydrotwin: {line}", file=sys.stderr)
+        return 1, str(error)
+    except OSError as error:
+        return 1, reason(error)
+    return 0, ""

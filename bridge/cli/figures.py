@@ -15,13 +15,19 @@ def figure(
     as_json: AS_JSON = False,
 ) -> None:
     """Draw a figure of the thesis from the twin: NAME.png and NAME.csv."""
+    paths = _drawn(name, output, as_json)
+    if as_json:
+        print_json(paths)
+
+
+def _drawn(name: str, output: Path, quiet: bool) -> list[str]:
+    """Draw a figure, and say what was written unless it is to be quiet."""
     from bridge.figures.catalogue import draw_figure
 
-    paths = draw_figure(name, output)
-    if as_json:
-        print_json([str(path) for path in paths])
-    else:
-        print("\n".join(str(path) for path in paths))
+    paths = [str(path) for path in draw_figure(name, output)]
+    if not quiet:
+        print("\n".join(paths), flush=True)
+    return paths
 
 
 def figures(
@@ -34,8 +40,9 @@ def figures(
     from bridge.figures.catalogue import FIGURES
 
     if every:
-        for name in FIGURES:
-            figure(name, output, as_json)
+        paths = [path for name in FIGURES for path in _drawn(name, output, as_json)]
+        if as_json:
+            print_json(paths)
         return
     rows = [(entry.name, entry.title) for entry in FIGURES.values()]
     if as_json:

@@ -3,6 +3,7 @@
 from itertools import groupby
 
 import typer
+from rich.text import Text
 
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON
@@ -53,7 +54,7 @@ def doctor(as_json: AS_JSON = False) -> None:
     if as_json:
         print_json([finding._asdict() for finding in findings])
     else:
-        marks = {"good": "[green]good[/green]", "fair": "[yellow]fair[/yellow]", "bad": "[red]bad[/red]"}
+        marks = {"good": Text("good", "green"), "fair": Text("fair", "yellow"), "bad": Text("bad", "red")}
         print_table(
             ("", "what", "found", "what to do"), [(marks[f.state], f.what, f.found, f.advice) for f in findings]
         )

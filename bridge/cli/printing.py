@@ -4,9 +4,10 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
+from rich.text import Text
 
 from bridge.cli.app import print_json
-from bridge.cli.tables import print_table
+from bridge.cli.tables import plain_text, print_table
 
 if TYPE_CHECKING:
     from bridge.recording.compare import Difference
@@ -19,19 +20,20 @@ def print_summary(outcome: "Outcome") -> None:
     summary = outcome.summary
     console = Console()
     if "ending" in summary:
-        console.print(f"[bold]{summary['scenario']}[/bold] {summary['mode']}: {summary['ending']}")
+        words = plain_text(f" {summary['mode']}: {summary['ending']}")
+        console.print(plain_text(summary["scenario"], "bold") + words, soft_wrap=True)
         print_table(("control", ""), _metric_rows(summary["metrics"]))
         print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary["timing"]))
         for line in [*_stability(summary), *_counts(summary)]:
-            console.print(line, highlight=False, soft_wrap=True)
+            console.print(plain_text(line), soft_wrap=True)
     for note in summary["notes"]:
-        console.print(f"[yellow]{note}[/yellow]", highlight=False)
+        console.print(plain_text(note, "yellow"), soft_wrap=True)
     for fault in outcome.faults:
-        console.print(f"[red]{fault}[/red]", highlight=False, markup=True)
+        console.print(plain_text(fault, "red"), soft_wrap=True)
     if outcome.recording:
-        console.print(f"recording  {outcome.recording}", highlight=False, soft_wrap=True)
+        console.print(plain_text(f"recording  {outcome.recording}"), soft_wrap=True)
     if outcome.picture:
-        console.print(f"picture    {outcome.picture}", highlight=False, soft_wrap=True)
+        console.print(plain_text(f"picture    {outcome.picture}"), soft_wrap=True)
 
 
 def _metric_rows(metrics: dict[str, float | None]) -> list[tuple[str, str]]:
@@ -79,10 +81,10 @@ def print_checks(results: "list[CheckResult]") -> None:
     rows = []
     for result in results:
         for verdict in result.verdicts:
-            mark = "[green]passed[/green]" if verdict.passed else "[red]FAILED[/red]"
+            mark = Text("passed", "green") if verdict.passed else Text("FAILED", "red")
             rows.append((result.scenario.name, verdict.text, verdict.found, mark))
-        rows += [(result.scenario.name, note, "", "[yellow]note[/yellow]") for note in result.notes]
-        rows += [(result.scenario.name, fault, "", "[red]FAILED[/red]") for fault in result.faults]
+        rows += [(result.scenario.name, note, "", Text("note", "yellow")) for note in result.notes]
+        rows += [(result.scenario.name, fault, "", Text("FAILED", "red")) for fault in result.faults]
     print_table(("scenario", "expected", "found", ""), rows)
 
 
@@ -99,11 +101,11 @@ def print_differences(found: "list[Difference]", as_json: bool, further: dict[st
     )
 
 
-def _row(d: "Difference") -> tuple[str, ...]:
+def _row(d: "Difference") -> tuple[str | Text, ...]:
     def time(value: float | None) -> str:
         return "-" if value is None else f"{value:.6g} s"
 
-    mark = "[green]same[/green]" if d.passed and d.greatest == 0.0 else "[green]within[/green]"
+    mark = Text("same" if d.greatest == 0.0 else "within", "green") if d.passed else Text("DIFFERS", "red")
     return (
         d.signal,
         f"{d.greatest:.4g} {d.unit}",
@@ -113,7 +115,7 @@ def _row(d: "Difference") -> tuple[str, ...]:
         f"{d.tolerance:g} {d.unit}",
         str(d.instants),
         str(d.alone),
-        mark if d.passed else "[red]DIFFERS[/red]",
+        mark,
     )
 
 
@@ -126,9 +128,9 @@ def print_info(found: dict[str, Any]) -> None:
 
     console = Console(soft_wrap=True, highlight=False)
     size = "" if found["size"] is None else f", {found['size'] / 1e6:.2f} MB"
-    console.print(f"[bold]{found['file']}[/bold]{size}", highlight=False)
+    console.print(plain_text(found["file"], "bold") + plain_text(size))
     for problem in found["problems"]:
-        console.print(f"[red]{problem}[/red]")
+        console.print(plain_text(problem, "red"))
     print_table(("", ""), [(name, plain(value)) for name, value in _facts(found)])
     print_table(("channel", "type", "messages", "from", "to", "rate", "gaps", "longest", "lost"), _channels(found))
     _print_events(console, found["events"])
@@ -161,6 +163,6 @@ def _channels(found: dict[str, Any]) -> list[tuple[str, ...]]:
 
 def _print_events(console: Console, events: list[dict[str, Any]]) -> None:
     for event in events[:EVENTS]:
-        console.print(f"{event['time']:10.3f} s  {event['kind']:8}  {event['text']}", markup=False)
+        console.print(plain_text(f"{event['time']:10.3f} s  {event['kind']:8}  {event['text']}"))
     if len(events) > EVENTS:
         console.print(f"… and {len(events) - EVENTS} events more: --json gives all")

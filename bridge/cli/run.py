@@ -15,6 +15,7 @@ from bridge.cli.options import (
     SCENARIO,
     Mode,
 )
+from bridge.cli.outputs import write_text
 
 RECORD = Annotated[
     Path | None,
@@ -64,13 +65,11 @@ def run(
         outcome = run_scenario(checked, RunOptions(mode, path, speed, fifo, patience, external, listen))
     if summary_file == Path("-"):
         print_json(outcome.summary)
-    else:
-        outcome = shown(outcome)
-        print_summary(outcome)
-        if summary_file:
-            summary_file.parent.mkdir(parents=True, exist_ok=True)
-            summary_file.write_text(json.dumps(outcome.summary, indent=2))
-    raise typer.Exit(1 if outcome.faults else 0)
+        raise typer.Exit(1 if outcome.faults else 0)
+    outcome = shown(outcome)
+    print_summary(outcome)
+    written = write_text(summary_file, json.dumps(outcome.summary, indent=2))
+    raise typer.Exit(1 if outcome.faults or not written else 0)
 
 
 def default_recording(name: str) -> Path:
@@ -106,11 +105,9 @@ def check(
         results.append(check_scenario(scenario, mode, output))
         if results[-1].interrupted:
             break
-    if junit:
-        junit.parent.mkdir(parents=True, exist_ok=True)
-        junit.write_text(junit_xml(results))
+    written = write_text(junit, junit_xml(results))
     if as_json:
         print_json([result.plain() for result in results])
     else:
         print_checks(results)
-    raise typer.Exit(0 if all(result.passed for result in results) else 1)
+    raise typer.Exit(0 if written and all(result.passed for result in results) else 1)

@@ -22,7 +22,8 @@ def versions() -> dict[str, str]:
 
 def cpu() -> str:
     """The processor's name, as the kernel tells it."""
-    for line in Path("/proc/cpuinfo").read_text().splitlines() if sys.platform == "linux" else []:
+    table = Path("/proc/cpuinfo")
+    for line in table.read_text(encoding="utf-8", errors="replace").splitlines() if sys.platform == "linux" else []:
         if line.startswith("model name"):
             return line.partition(":")[2].strip()
     return platform.processor() or platform.machine()

@@ -70,7 +70,7 @@ class Supervisor:
 
     def _start(self, folder: Path, endpoint: str, environment: Mapping[str, str]) -> None:
         options, file = self.options, folder / "scenario.json"
-        file.write_text(self.scenario.model_dump_json())
+        file.write_text(self.scenario.model_dump_json(), encoding="utf-8")
         common = ["--mode", options.mode]
         seed = self.scenario.seed
         plant = [str(file), *common, "--listen", endpoint, "--speed", str(options.speed)]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bridge.errors import UsageError
+from bridge.errors import UsageError, writing
 from bridge.recording.reader import Recording
 from bridge.recording.tables import Column, table
 
@@ -19,10 +19,8 @@ def export(recording: Recording, topics: list[str], form: str, output: Path) -> 
     tables = {topic: table(recording, topic) for topic in topics if recording.counts.get(topic)}
     if not tables:
         raise UsageError(f"{recording.path}: there is nothing in it to export")
-    try:
+    with writing(output):
         return FORMS[form](tables, output)
-    except OSError as error:
-        raise UsageError(f"{error.filename or output}: {error.strerror}") from None
 
 
 def _csv(tables: dict[str, list[Column]], folder: Path) -> list[Path]:
@@ -30,7 +28,7 @@ def _csv(tables: dict[str, list[Column]], folder: Path) -> list[Path]:
 
     paths = []
     for path, columns in _in_folder(tables, folder, "csv"):
-        with path.open("w", newline="") as file:
+        with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(column.header for column in columns)
             plain = [c.values if isinstance(c.values, list) else c.values.tolist() for c in columns]
@@ -68,7 +66,6 @@ def _mat(tables: dict[str, list[Column]], path: Path) -> list[Path]:
     for topic, columns in tables.items():
         values = {_identifier(c.name): _numbers(c.values) for c in columns}
         content[_identifier(topic)] = values | {"units": {_identifier(c.name): c.unit for c in columns}}
-    path.parent.mkdir(parents=True, exist_ok=True)
     savemat(path, content, long_field_names=True, oned_as="column")
     return [path]
 

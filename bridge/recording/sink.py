@@ -9,6 +9,7 @@ import fcntl
 import os
 import stat
 import time
+from contextlib import suppress
 from pathlib import Path
 
 RESERVE = 256 * 1024  # bytes kept free for last words
@@ -18,7 +19,6 @@ class Sink:
     """A file for a writer: `write`, `tell`, `flush`."""
 
     def __init__(self, path: Path, fsync: bool = False) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
         self.whole = 0  # bytes that are safely with the operating system
         self.longest = 0.0  # seconds that a flush took
         self._fsync = fsync
@@ -71,7 +71,7 @@ class Sink:
             os.fsync(self._file)
 
     def _cut_back(self) -> None:
-        self._waiting.clear()
+        self._waiting = bytearray()  # the old one may still be looked at
         os.ftruncate(self._file, self.whole)
         os.lseek(self._file, self.whole, os.SEEK_SET)
         self._free_reserve()
@@ -83,7 +83,18 @@ class Sink:
 
 
 def _opened(path: Path) -> int:
-    """An empty file, ours as long as it is open. Raises OSError when another program is recording to it."""
+    """An empty file, ours as long as it is open. Raises OSError with the way out."""
+    try:
+        with suppress(FileExistsError):  # a file of that name: to open what lies in it says so better
+            path.parent.mkdir(parents=True, exist_ok=True)
+        return _locked(path)
+    except OSError as error:
+        words = f"{error.strerror}; record elsewhere: --record FILE with run, --output with check and record"
+        raise OSError(error.errno, words, str(path)) from None
+
+
+def _locked(path: Path) -> int:
+    """An empty file. Raises OSError when another program is recording to it."""
     file = os.open(path, os.O_CREAT | os.O_WRONLY | os.O_CLOEXEC, 0o644)
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -14,7 +14,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Metadata
 from mcap.writer import CompressionType, Writer
 
-from bridge.errors import UsageError
+from bridge.errors import UsageError, reason
 from bridge.recording.reader import Entry
 from bridge.recording.sink import Sink
 from bridge.wire.codec import encode, type_hash
@@ -41,7 +41,7 @@ def new_recording(path: Path, rig_name: str) -> "RecordingWriter":
     try:
         return RecordingWriter(path, rig_name)
     except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}; record to another file") from None
+        raise UsageError(reason(error)) from None
 
 
 class RecordingWriter:

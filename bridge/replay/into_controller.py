@@ -77,7 +77,7 @@ class FedController:
         self._answers: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
         folder = Path(self._ending.enter_context(tempfile.TemporaryDirectory(prefix="hydrotwin-")))
         file = folder / "scenario.json"
-        file.write_text(scenario.model_dump_json())
+        file.write_text(scenario.model_dump_json(), encoding="utf-8")
         for topic in ("command", "reference"):
             bus.subscribe(topic, lambda sample, topic=topic: self._answers.put((topic, sample.payload.to_bytes())))
         bus.watch()

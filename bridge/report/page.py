@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bridge.drawing.html import svg, text
-from bridge.errors import UsageError
+from bridge.errors import UsageError, writing
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.maps import draw_maps, draw_timing
 from bridge.report.sections import (
@@ -49,11 +49,8 @@ def write_report(files: Sequence[Path], output: Path) -> Path:
     runs = [load_run(path) for path in files]
     if output.suffix.lower() not in (".html", ".htm"):
         raise UsageError(f"{output}: a report is an HTML page; name it {output.with_suffix('.html')}")
-    try:
-        output.parent.mkdir(parents=True, exist_ok=True)
+    with writing(output):
         output.write_text(page(runs), encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"cannot write {output}: {error.strerror}") from None
     return output
 
 

@@ -4,6 +4,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bridge.errors import visible
 from bridge.processes.options import RunOptions
 from bridge.recording.names import own_name
 from bridge.recording.reader import read
@@ -74,16 +75,16 @@ def junit_xml(results: list[CheckResult]) -> str:
     suites = ET.Element("testsuites", name="hydrotwin check")
     for result in results:
         cases = [(v.text, None if v.passed else f"found {v.found}") for v in result.verdicts]
-        cases += [("run", "; ".join(result.faults) or None)]
+        cases += [("run", visible("; ".join(result.faults)) or None)]
         failures = sum(failure is not None for _, failure in cases)
         name = result.scenario.name
         suite = ET.SubElement(suites, "testsuite", name=name, tests=str(len(cases)), failures=str(failures))
         for text, failure in cases:
-            case = ET.SubElement(suite, "testcase", classname=name, name=text)
+            case = ET.SubElement(suite, "testcase", classname=name, name=visible(text))
             if failure is not None:
                 ET.SubElement(case, "failure", message=failure)
     ET.indent(suites)
-    return ET.tostring(suites, encoding="unicode", xml_declaration=True)
+    return ET.tostring(suites, encoding="utf-8", xml_declaration=True).decode()
 
 
 def judge_run(outcome: Outcome, scenario: Scenario) -> list[Judgement]:

@@ -1,15 +1,21 @@
 """The loop in one process: no middleware, no clock; the same plant and controller sides, the same bytes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from bridge.errors import RunError
+from bridge.errors import RunError, reason
 from bridge.loop.exchange import exchange, sides
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.summary import summarise
-from bridge.recording.writer import new_recording
+from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario
+from controller.grid import NS
+
+
+class RecordingError(RunError):
+    """The disk refuses the recording."""
 
 
 def record_in_process(
@@ -18,20 +24,37 @@ def record_in_process(
     progress: Callable[[int], None] = lambda tick: None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Recording:
-    """Run a scenario and record it; returns what the file holds."""
+    """Run a scenario and record it; returns what the file holds. Raises RunError when the disk refuses."""
     plant, controller = sides(scenario)
-    writer = new_recording(path, scenario.rig_name)
     head = manifest(scenario, plant.run_id)
-    writer.metadata("run", head)
     entries: list[Entry] = []
-    try:
+    with _recording(scenario, path, entries) as writer:
+        writer.metadata("run", head)
         for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
             entries += writer.instant(messages)
             progress(tick)
+        summary = summarise(recording(path, entries, {}), scenario, {})
+        writer.metadata("summary", summary)
+    return recording(path, entries, {"run": head, "summary": summary})
+
+
+@contextmanager
+def _recording(scenario: Scenario, path: Path, entries: list[Entry]) -> Iterator[RecordingWriter]:
+    """A recording that says why it ends where the disk has refused."""
+    try:
+        writer = RecordingWriter(path, scenario.rig_name)
+    except OSError as error:
+        raise RecordingError(reason(error)) from None
+    try:
+        yield writer
+        writer.close()
     except RunError:
         writer.close()
         raise
-    summary = summarise(recording(path, entries, {}), scenario, {})
-    writer.metadata("summary", summary)
-    writer.close()
-    return recording(path, entries, {"run": head, "summary": summary})
+    except OSError as error:
+        time = f"{entries[-1].log_time / NS if entries else 0.0:g} s"
+        writer.give_up("refused", {"reason": str(error.strerror), "time": time})
+        raise RecordingError(
+            f"{path}: {error.strerror}: nothing from about t = {time} on is recorded; what was written before stays "
+            "readable: free some room, or record elsewhere"
+        ) from None

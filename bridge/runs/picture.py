@@ -41,7 +41,7 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
     figure.align_ylabels(axes)
     if len(timing["tick"]):
         _lateness(axes[-1], timing)
-    figure.suptitle(scenario.title or scenario.name)
+    figure.suptitle(scenario.title or scenario.name, parse_math=False)
     figure.savefig(path)
     return path
 

@@ -50,11 +50,12 @@ def _line_on_screen() -> "Live":
 
 def _line(scenario: Scenario, values: dict[str, Any]) -> "Table":
     from rich.table import Table
+    from rich.text import Text
 
     period = scenario.loop.daq_period
     done, total = values.get("tick", 0) * period, values.get("ticks", 1) * period
     bar = "━" * round(20 * done / total) if total else ""
-    cells = [f"[bold]{scenario.name}[/bold]", str(values["phase"]), f"{bar:·<20}", f"{done:.1f}/{total:g} s"]
+    cells = [Text(scenario.name, "bold"), str(values["phase"]), f"{bar:·<20}", f"{done:.1f}/{total:g} s"]
     if "position" in values:
         cells.append(f"x {values['position'] * 1e3:.1f} mm")
         cells.append("p " + " ".join(f"{values[tap] / 1e5:.0f}" for tap in ("p1", "p2", "p3")) + " bar")

@@ -3,11 +3,12 @@
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bridge.errors import RunError, writing
 from bridge.machine.process import Stop
 from bridge.processes.options import RunOptions
 from bridge.recording.reader import Recording, read
 from bridge.recording.summary import NEEDED, summarise, verdict
-from bridge.runs.in_process import record_in_process
+from bridge.runs.in_process import RecordingError, record_in_process
 from bridge.runs.progress import Progress
 from bridge.scenario import Scenario
 from bridge.scenario.describe import warnings
@@ -53,15 +54,20 @@ def shown(outcome: Outcome) -> Outcome:
 
     scenario, summary = outcome.scenario, outcome.summary
     notes = [*summary["notes"], *filter(None, [left_out(scenario)])]
-    theory = {"stability": operating_point(scenario, summary["metrics"]), "notes": notes}
-    return outcome._replace(summary=summary | theory, picture=_picture(scenario, outcome.data))
+    picture, refused = _picture(scenario, outcome.data)
+    faults = [*outcome.faults, *refused]
+    theory = {"stability": operating_point(scenario, summary["metrics"]), "notes": notes, "faults": faults}
+    return outcome._replace(summary=summary | theory, faults=faults, picture=picture)
 
 
 def _run(scenario: Scenario, options: RunOptions, stop: Stop) -> tuple[Recording | None, list[str], list[str]]:
     """The recording if there is one, what went wrong, and what else people should know."""
     with Progress(scenario) as progress:
         if options.mode == Mode.INPROCESS:
-            return record_in_process(scenario, options.recording, progress.tick, lambda: stop.listen()()), [], []
+            try:
+                return record_in_process(scenario, options.recording, progress.tick, lambda: stop.listen()()), [], []
+            except RecordingError as error:
+                return None, [str(error)], []
         from bridge.processes.supervisor import Supervisor
 
         supervisor = Supervisor(scenario, options, progress.show, stop.listen())
@@ -69,9 +75,14 @@ def _run(scenario: Scenario, options: RunOptions, stop: Stop) -> tuple[Recording
     return (read(options.recording, NEEDED) if supervisor.recorded else None), faults, supervisor.notes
 
 
-def _picture(scenario: Scenario, recording: Recording) -> Path | None:
+def _picture(scenario: Scenario, recording: Recording) -> tuple[Path | None, list[str]]:
+    """The picture, and why there is none although there should be one."""
     from bridge.runs.picture import draw
 
     if recording.counts.get("state", 0) < 2:
-        return None
-    return draw(recording, scenario, recording.path.with_suffix(".png"))
+        return None, []
+    try:
+        with writing(recording.path.with_suffix(".png")) as path:
+            return draw(recording, scenario, path), []
+    except RunError as error:
+        return None, [str(error)]

@@ -3,10 +3,10 @@
 import math
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from bridge.errors import nearest
+from bridge.errors import is_hidden, nearest
 from bridge.scenario.units import UNITS, quantity, split
 
 
@@ -69,6 +69,27 @@ class Gain(Worded):
         return f"{number!r} {unit}"
 
 
+LONGEST_NAME = 160  # bytes; a file's name has at most 255
+
+
+def _one_line(text: str) -> str:
+    if any(map(is_hidden, text)):
+        raise ValueError(f"{text!r} holds a control character; write one line of text")
+    return text
+
+
+def _file_name(text: str) -> str:
+    """A name that recordings can be named after, in a folder of their own at most."""
+    parts = text.replace("\\", "/").split("/")
+    if text.startswith("/") or not all(part.strip(" .") for part in parts):
+        raise ValueError(f"{text!r} would leave the folder of recordings; write a name such as 'step-slow'")
+    if len(text.encode()) > LONGEST_NAME:
+        raise ValueError(f"{text[:20]!r}... has {len(text.encode())} bytes; a file's name allows {LONGEST_NAME}")
+    return text
+
+
+Line = Annotated[str, AfterValidator(_one_line)]
+FileName = Annotated[Line, AfterValidator(_file_name)]
 Seconds = Annotated[float, Measured("s")]
 Metres = Annotated[float, Measured("m")]
 Speed = Annotated[float, Measured("m/s")]

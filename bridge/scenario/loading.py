@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from bridge.errors import ScenarioError, nearest
+from bridge.errors import ScenarioError, nearest, reason
 from bridge.scenario import references
 from bridge.scenario.law_file import with_place
 from bridge.scenario.model import Scenario
@@ -84,11 +84,21 @@ def check(data: dict[str, Any], which: str) -> Scenario:
 
 def _source(which: str) -> tuple[str, Path]:
     if which in names():
-        return (_built_in() / f"{which}.toml").read_text(), Path()
+        return (_built_in() / f"{which}.toml").read_text(encoding="utf-8"), Path()
     path = Path(which)
     if path.is_file():
-        return path.read_text(), path.parent
+        return _text(path), path.parent
     raise ScenarioError(f"{which}: no such scenario or file{nearest(which, names())}")
+
+
+def _text(path: Path) -> str:
+    """A file of the user's: UTF-8 whatever the locale, with or without a mark at its beginning."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{path}: is not UTF-8 at byte {error.start}; save it as UTF-8") from None
+    except OSError as error:
+        raise ScenarioError(reason(error)) from None
 
 
 def _with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -98,7 +108,7 @@ def _with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
         path = folder / name
         if not path.is_file():
             raise ScenarioError(f"reference.csv: no file {str(path)!r}")
-        return data | {"reference": reference | {"csv": path.read_text()}}
+        return data | {"reference": reference | {"csv": _text(path)}}
     return data
 
 

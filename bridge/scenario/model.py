@@ -8,7 +8,9 @@ from bridge.errors import nearest
 from bridge.scenario.bands import parse_band
 from bridge.scenario.fields import (
     DerivativeGain,
+    FileName,
     Fraction,
+    Line,
     Measured,
     Metres,
     Part,
@@ -128,8 +130,8 @@ def _rig() -> Any:
 class Scenario(Part):
     """One run: the rig, where it starts, how it is controlled, and what is expected of it."""
 
-    name: str = "unnamed"
-    title: str = ""
+    name: FileName = "unnamed"
+    title: Line = ""
     duration: Seconds = Field(default=10.0, gt=0.0)
     seed: int = Field(default=1, ge=0, lt=2**63, description="of the sensor noise, and of the run's identity")
     rig_name: str = Field(

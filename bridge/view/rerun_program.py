@@ -105,7 +105,7 @@ def _running(*arguments: str, page: int = 0, quiet: bool = False) -> Iterator[Pr
 def _last_in_line(pid: int) -> None:
     """Have the whole session of a process wait for all others: Linux shares processors by session first."""
     with suppress(OSError):  # a system that does not share like that
-        Path(f"/proc/{pid}/autogroup").write_text("10")
+        Path(f"/proc/{pid}/autogroup").write_text("10", encoding="ascii")
 
 
 def _free_port() -> int:

@@ -5,14 +5,17 @@ command line says goes on top, and so do no scouting and queues that hold a burs
 """
 
 import json
+import os
 import re
 import socket
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.errors import RunError
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+LOOPBACK = ((socket.AF_INET, "127.0.0.1", "127.0.0.1"), (socket.AF_INET6, "::1", "[::1]"))
 WAIT_BEFORE_DROP_US = 10_000  # once; from then on a reader that stays stuck costs nothing
 
 
@@ -56,9 +59,14 @@ def names_addresses(file: Path) -> bool:
 
 def free_endpoint() -> str:
     """A loopback endpoint nobody uses now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+    for family, host, written in LOOPBACK:
+        with suppress(OSError), socket.socket(family) as probe:
+            probe.bind((host, 0))
+            return f"tcp/{written}:{probe.getsockname()[1]}"
+    raise LinkError(
+        "this machine has no loopback address, neither 127.0.0.1 nor ::1: set its network up (ip link set lo up), "
+        "name another address with --listen, or run with --mode inprocess"
+    )
 
 
 def _configuration(link: Link, mode: str | None) -> Any:
@@ -85,6 +93,8 @@ def _base(file: Path | None) -> Any:
     except zenoh.ZError as error:
         raise LinkError(f"{file}: {_reason(error)}") from None
     config.insert_json5("scouting/multicast/enabled", "false")
+    if file is None or not os.access("/dev/shm", os.W_OK):  # our messages are too small for it, and it may be missing
+        config.insert_json5("transport/shared_memory/enabled", "false")
     for priority in ("real_time", "data"):  # a burst after an overrun must fit; the default of 2 batches drops it
         config.insert_json5(f"transport/link/tx/queue/size/{priority}", "16")
     config.insert_json5("transport/link/tx/queue/congestion_control/drop/wait_before_drop", str(WAIT_BEFORE_DROP_US))

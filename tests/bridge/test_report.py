@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bridge.errors import UsageError
+from bridge.errors import RunError, UsageError
 from bridge.report.difference import metric_rows, parameter_rows, signal_differences
 from bridge.report.page import page, write_report
 from bridge.report.subject import Run, load_run, named_apart
@@ -189,5 +189,5 @@ def test_what_cannot_be_reported_gets_one_line(runs: list[Path], tmp_path: Path)
     with pytest.raises(UsageError, match=r"name it .*\.html"):
         write_report(runs[:1], tmp_path / "a.pdf")
     (tmp_path / "file").write_text("")
-    with pytest.raises(UsageError, match="cannot write"):
+    with pytest.raises(RunError, match="cannot be written"):
         write_report(runs[:1], tmp_path / "file" / "a.html")

@@ -1,6 +1,5 @@
 """One pipe with one scheme, compared with the exact line: course, picture, table, summary."""
 
-import csv
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +13,8 @@ from bridge.drawing.canvas import (
     remark,
     stack,
 )
-from bridge.errors import UsageError
+from bridge.drawing.files import write_columns
+from bridge.errors import UsageError, writing
 from bridge.studies.line.case import Request, amount, case_of
 from twin.lines.lab.exact import exact_history, kind_of
 from twin.lines.lab.pipe import VELOCITY, Case, History
@@ -169,12 +169,8 @@ def _pair(axes, time: Array, left: Array, right: Array) -> None:
 
 def write(found: Study, directory: Path) -> tuple[Path, Path]:
     """line.png and line.csv in a directory, made if absent."""
-    directory.mkdir(parents=True, exist_ok=True)
     image, text = directory / "line.png", directory / "line.csv"
-    picture(found).savefig(image)
-    columns = table(found)
-    with text.open("w", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(columns)
-        rows.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values(), strict=True))
+    with writing(image):
+        picture(found).savefig(image)
+    write_columns(text, table(found))
     return image, text

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.drawing.html import text
+from bridge.errors import writing
 from bridge.studies.stability.chart import Chart
 from bridge.studies.stability.chart_page import PAGE
 from controller.stability.actuator.parting import CAUSES
@@ -43,9 +44,9 @@ NOTHING = Overlay((), "", ("", ""))
 
 def write(chart: Chart, overlay: Overlay, base: Path) -> list[Path]:
     """BASE.png, BASE.csv, BASE.html; and BASE-runs.csv where there are runs."""
-    base.parent.mkdir(parents=True, exist_ok=True)
     picture, table, page = (base.with_name(f"{base.name}.{end}") for end in ("png", "csv", "html"))
-    draw(chart, overlay).savefig(picture)
+    with writing(picture):
+        draw(chart, overlay).savefig(picture)
     x, y = np.meshgrid(chart.x, chart.y)
     columns = {chart.labels[0]: x, chart.labels[1]: y, "stable multipliers": chart.total - chart.outside}
     columns |= {
@@ -55,7 +56,8 @@ def write(chart: Chart, overlay: Overlay, base: Path) -> list[Path]:
         "angle [rad]": chart.angle,
     }
     _table(table, columns)
-    page.write_text(html(chart, overlay), encoding="utf-8")
+    with writing(page):
+        page.write_text(html(chart, overlay), encoding="utf-8")
     if not overlay.runs:
         return [picture, table, page]
     beside = base.with_name(f"{base.name}-runs.csv")
@@ -68,7 +70,7 @@ def write(chart: Chart, overlay: Overlay, base: Path) -> list[Path]:
 
 
 def _table(path: Path, columns: dict[str, Any]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with writing(path), path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(columns)
         rows.writerows(map(_cell, row) for row in zip(*(c.ravel() for c in columns.values()), strict=True))

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from bridge.errors import UsageError
+from bridge.errors import UsageError, writing
 
 Point = Mapping[str, Any]  # plain data
 Result = Mapping[str, Any]
@@ -26,13 +26,13 @@ class Journal:
     def __init__(self, path: Path, head: Mapping[str, Any]) -> None:
         self.path, self._head = path, json.dumps({"sweep": head}, sort_keys=True)
         self.found: dict[str, Result] = {}
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._read()
+        with writing(path):
+            self._read()
 
     def _read(self) -> None:
         whole = self.path.read_bytes() if self.path.is_file() else b""
         kept = whole[: whole.rfind(b"\n") + 1]
-        lines = kept.decode().splitlines()
+        lines = kept.decode(errors="replace").splitlines()
         if lines and lines[0] != self._head:
             raise UsageError(
                 f"{self.path} holds what another sweep has found so far, or one of other sources; "
@@ -45,7 +45,7 @@ class Journal:
     def add(self, point: Point, result: Result) -> None:
         """Keep a result; it is on disk when this returns."""
         line = json.dumps({"point": key_of(point), "result": result})
-        with self.path.open("a", encoding="utf-8") as file:
+        with writing(self.path), self.path.open("a", encoding="utf-8") as file:
             file.write(f"{line}\n")
             file.flush()
             os.fsync(file.fileno())

@@ -1,0 +1,53 @@
+"""Standard streams in any state: closed, full, of a narrow encoding, with a reader that has gone."""
+
+import errno
+import io
+import os
+import sys
+from contextlib import suppress
+
+
+def prepare() -> None:
+    """Give a closed stream its number back, so that no file of ours takes it, and let every character be written.
+
+    What is written to a closed standard output is refused when it is flushed; a closed standard error stays silent.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_WRONLY if number == 2 else os.O_RDONLY)  # gets the lowest number that is free
+    sys.stdin = sys.stdin or os.fdopen(0, encoding="utf-8", closefd=False)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", encoding="utf-8", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", encoding="utf-8", closefd=False)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def refusal() -> str | None:
+    """Flush standard output; why that failed, if it did: no words where the reader has gone, as `head` goes."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        _drop()
+        return "" if error.errno == errno.EPIPE else f"cannot write to standard output: {error.strerror}"
+    return None
+
+
+def complain(text: str) -> None:
+    """One line on standard error for each line of a text."""
+    from bridge.errors import visible
+
+    with suppress(OSError):
+        for line in text.splitlines():
+            print(f"hydrotwin: {visible(line)}", file=sys.stderr)
+
+
+def _drop() -> None:
+    """Let go of what waits to be written; the interpreter would try again at its end."""
+    with suppress(OSError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+        sys.stdout.flush()
