@@ -48,10 +48,10 @@ def line(
 ) -> None:
     """Simulate waves in one pipe with any scheme, compared with the exact line: line.png, line.csv and a summary."""
     from bridge.cli.tables import print_table
-    from bridge.studies.line.case import Request
+    from bridge.studies.line.case import LineOptions
     from bridge.studies.line.study import facts, study, write
 
-    request = Request(
+    request = LineOptions(
         length, diameter, oil, temperature, viscosity, density, speed, wall, young, left, right, velocity, pressure,
         rise, closure, span, scheme, friction, cells, step, courant, tolerance, poles, cavitation,
     )  # fmt: skip

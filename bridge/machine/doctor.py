@@ -14,7 +14,7 @@ from typing import NamedTuple
 from bridge.machine.host import cpu, versions
 from bridge.machine.process import FIFO_PRIORITY
 from bridge.machine.punctuality import (
-    Verdict,
+    Assessment,
     loopback,
     pacing,
     sleeping,
@@ -46,7 +46,7 @@ def examine() -> list[Finding]:
     return [_tried(what, look) for what, look in LOOKS.items()]
 
 
-def _tried(what: str, look: Callable[[], Verdict]) -> Finding:
+def _tried(what: str, look: Callable[[], Assessment]) -> Finding:
     try:
         state, found, advice = look()
     except (OSError, ValueError, AttributeError, subprocess.SubprocessError) as error:
@@ -55,7 +55,7 @@ def _tried(what: str, look: Callable[[], Verdict]) -> Finding:
     return Finding(state, what, found, "" if state == "good" else advice)
 
 
-def packages() -> Verdict:
+def packages() -> Assessment:
     """Are those that a run needs installed?"""
     needed = {name: version for name, version in versions().items() if name not in OPTIONAL}
     absent = [name for name, version in needed.items() if version == "absent"]
@@ -63,13 +63,13 @@ def packages() -> Verdict:
     return "bad" if absent else "good", found, f"pip install {' '.join(absent)}"
 
 
-def viewer() -> Verdict:
+def viewer() -> Assessment:
     """Is Rerun there?"""
     version = versions()["rerun-sdk"]
     return "fair" if version == "absent" else "good", f"rerun-sdk {version}", "pip install 'hydrotwin[view]'"
 
 
-def processor() -> Verdict:
+def processor() -> Assessment:
     """Enough cores, and are they free? Plant and controller each want one while they answer one another."""
     cores, load = len(os.sched_getaffinity(0)), os.getloadavg()[0]
     found = f"{cpu()}, {cores} core{'s' * (cores != 1)}, load {load:.1f}"
@@ -78,24 +78,24 @@ def processor() -> Verdict:
     return "fair" if load > cores else "good", found, "other programs keep the cores busy: end them before timing runs"
 
 
-def fifo() -> Verdict:
+def fifo() -> Assessment:
     """May a process of ours run at real-time priority? Tried in one that ends at once."""
     return _permission(
         FIFO_PROBE, f"for --fifo run as root, or allow `ulimit -r {FIFO_PRIORITY}` (rtprio in limits.conf)"
     )
 
 
-def locked_memory() -> Verdict:
+def locked_memory() -> Assessment:
     """May a process of ours keep its pages in memory? Tried in one that ends at once."""
     return _permission(LOCK_PROBE, "for --fifo run as root, or allow `ulimit -l unlimited` (memlock in limits.conf)")
 
 
-def _permission(probe: str, advice: str) -> Verdict:
+def _permission(probe: str, advice: str) -> Assessment:
     refused = subprocess.run([sys.executable, "-I", "-c", probe], capture_output=True, timeout=5.0).returncode
     return "fair" if refused else "good", "refused" if refused else "allowed", advice
 
 
-def port() -> Verdict:
+def port() -> Assessment:
     """Is the plant's usual address free?"""
     host, _, number = DEFAULT_ENDPOINT.partition("/")[2].rpartition(":")
     with socket.socket() as probe:
@@ -108,7 +108,7 @@ def port() -> Verdict:
     return "good", f"{DEFAULT_ENDPOINT} is free", ""
 
 
-def disk() -> Verdict:
+def disk() -> Assessment:
     """Room and speed where runs/ is, or would be."""
     folder = next(path for path in (Path("runs").absolute(), *Path("runs").absolute().parents) if path.is_dir())
     room = shutil.disk_usage(folder).free
@@ -130,7 +130,7 @@ def _write_speed(folder: Path) -> float:
     return done / (time.perf_counter() - start)
 
 
-def compile_cache() -> Verdict:
+def compile_cache() -> Assessment:
     """Where compiled code is kept, and is it there already?"""
     folder = cache_directory()
     if folder is None:
@@ -146,7 +146,7 @@ def compile_cache() -> Verdict:
     return "good" if any(path.suffix == ".nbc" for path in files) else "fair", found, COLD
 
 
-LOOKS: dict[str, Callable[[], Verdict]] = {
+LOOKS: dict[str, Callable[[], Assessment]] = {
     "packages": packages,
     "viewer": viewer,
     "processor": processor,

@@ -11,10 +11,10 @@ from bridge.wire.link import LinkError
 PERIOD_NS = 1_000_000  # the loop's usual DAQ period
 TICKS = 1000
 TRIPS = 200
-Verdict = tuple[str, str, str]  # state, what was found, advice
+Assessment = tuple[str, str, str]  # state, what was found, advice
 
 
-def pacing() -> Verdict:
+def pacing() -> Assessment:
     """The loop's own clock. A tick late by a period is an overrun; a run of 10 s allows 100, so 10 of these 1000."""
     lateness = _lateness(SPIN_NS)
     state = "good" if lateness.max() < PERIOD_NS else "fair" if np.quantile(lateness, 0.99) < PERIOD_NS else "bad"
@@ -25,7 +25,7 @@ def pacing() -> Verdict:
     )
 
 
-def sleeping() -> Verdict:
+def sleeping() -> Assessment:
     """Sleep alone. The loop spins through the last stretch before a tick: sleep must, as a rule, wake within it."""
     lateness = _lateness(0)
     median = np.median(lateness)
@@ -47,7 +47,7 @@ def _spread(times_ns: np.ndarray) -> str:
     return f"p50 {p50:.1f} us, p99 {p99:.0f} us, p99.9 {p999:.0f} us, max {times_ns.max() / 1e3:.0f} us"
 
 
-def loopback() -> Verdict:
+def loopback() -> Assessment:
     """Zenoh between two processes. Without a delay a command is in time when it comes within one DAQ period."""
     try:
         times = np.array(round_trips(TRIPS))

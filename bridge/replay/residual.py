@@ -13,7 +13,7 @@ MEASURED = ("position", "velocity", "p1", "p2", "p3")
 EVENTS = "event"
 
 
-class Verdict(NamedTuple):
+class ReplayResult(NamedTuple):
     """How a replay came out."""
 
     into: str

@@ -15,7 +15,7 @@ from bridge.recording.summary import NEEDED, summarise
 from bridge.recording.writer import RecordingWriter, new_recording
 from bridge.replay.into_controller import FedController, heard, only, owner, through_side
 from bridge.replay.into_plant import through_plant
-from bridge.replay.residual import Residuals, Verdict, events_apart
+from bridge.replay.residual import ReplayResult, Residuals, events_apart
 from bridge.scenario import Scenario, changed
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.bus import Bus
@@ -36,7 +36,7 @@ class Through(NamedTuple):
     listen: str | None = None  # where the residual is published; None: a free address on loopback
 
 
-def replay_through(path: Path, request: Through) -> Verdict:
+def replay_through(path: Path, request: Through) -> ReplayResult:
     """Replay and judge. Raises UsageError for a file that cannot be replayed, RunError when a process fails."""
     if request.output.resolve() == path.resolve():
         raise UsageError(f"{path}: would be overwritten; name another file with --output")
@@ -122,14 +122,14 @@ def _with_residuals(messages: list[Outgoing], residuals: Residuals) -> list[Outg
     return [*messages, *(residual for residual in found if residual is not None)]
 
 
-def _judge(recorded: Recording, replayed: Recording, request: Through) -> Verdict:
+def _judge(recorded: Recording, replayed: Recording, request: Through) -> ReplayResult:
     topics = COMPARED[request.into]
     wanted = tuple(topic for topic in topics if recorded.counts.get(topic))
     differences = compare(replayed, recorded, request.tolerances, wanted, partly=_may_lack(recorded, request.into))
     events = events_apart(replayed, recorded) if request.into == "plant" and "event" in recorded.counts else None
     lost = recorded.metadata.get("summary", {}).get("lost", {})
     missing = lost.get("command" if request.into == "plant" else "measurement", 0)
-    return Verdict(request.into, differences, events, request.output, missing)
+    return ReplayResult(request.into, differences, events, request.output, missing)
 
 
 def _may_lack(recorded: Recording, into: str) -> bool:

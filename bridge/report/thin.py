@@ -11,7 +11,7 @@ STRETCHES = 900  # of a curve, more than a page shows
 Array = NDArray[np.float64]
 
 
-class Course(NamedTuple):
+class ThinCurve(NamedTuple):
     """A curve, thinned."""
 
     time: Array  # [s], middle of each stretch
@@ -20,12 +20,12 @@ class Course(NamedTuple):
     greatest: Array
 
 
-def thinned(time: Array, values: Array, stretches: int = STRETCHES) -> Course:
+def thinned(time: Array, values: Array, stretches: int = STRETCHES) -> ThinCurve:
     """A curve in so many stretches, peaks kept; a short one as it is."""
     if len(time) <= stretches:
-        return Course(time, values, values, values)
+        return ThinCurve(time, values, values, values)
     spans = list(pairwise(np.linspace(0, len(time), stretches + 1).astype(int)))
     parts = [values[begin:end] for begin, end in spans]
     middle = np.array([0.5 * (time[begin] + time[end - 1]) for begin, end in spans])
     mean, least, greatest = (np.array([of(part) for part in parts], float) for of in (np.mean, np.min, np.max))
-    return Course(middle, mean, least, greatest)
+    return ThinCurve(middle, mean, least, greatest)

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from bridge.cli.line import line as verb
 from bridge.cli.verbs import app
 from bridge.errors import UsageError
-from bridge.studies.line.case import Request
+from bridge.studies.line.case import LineOptions
 from bridge.studies.line.study import facts as what_it_says
 from bridge.studies.line.study import study
 
@@ -25,7 +25,7 @@ def asked(*options: str) -> dict[str, str]:
     chosen = {name: value.default for name, value in inspect.signature(verb).parameters.items()}
     chosen |= {name.removeprefix("--"): value for name, value in zip(options[::2], options[1::2], strict=True)}
     chosen["cells"], chosen["cavitation"] = int(chosen["cells"]), chosen["cavitation"] == "yes"
-    return dict(what_it_says(study(Request(**{name: chosen[name] for name in Request._fields}))))
+    return dict(what_it_says(study(LineOptions(**{name: chosen[name] for name in LineOptions._fields}))))
 
 
 def facts(folder: Path, *options: str) -> dict[str, str]:

@@ -47,7 +47,7 @@ CARD = Card(**{name: getattr(Daq.model_validate({}), name) for name in Card._fie
 SEED = 24
 
 
-class Run(NamedTuple):
+class SpeedRun(NamedTuple):
     """One run, before it is read."""
 
     line: float  # between valve and cylinder [m]
@@ -107,14 +107,14 @@ def verdict(taps: NDArray[np.float64]) -> float:
 
 
 @cache
-def runs() -> list[Run]:
+def runs() -> list[SpeedRun]:
     """All runs: lines, loads, references, up and down."""
     made = []
     for line, mass in product(LINES, LOADS):
         circuit = bench(line, mass)
         for beyond, direction in product(BEYOND, START):
             reference = direction * (circuit.parts.valve.overlap + beyond)
-            made.append(Run(line, mass, reference, circuit, window_of(reference, direction, circuit)))
+            made.append(SpeedRun(line, mass, reference, circuit, window_of(reference, direction, circuit)))
     return made
 
 
@@ -128,7 +128,7 @@ def scan(taps: NDArray[np.float64], card: Card | None, block: int) -> NDArray[np
     return out
 
 
-def read(run: Run, card: Card | None, block: int) -> tuple[float, ...]:
+def read(run: SpeedRun, card: Card | None, block: int) -> tuple[float, ...]:
     """A row of Readings."""
     samples = scan(run.taps, card, block)
     speed = np.polyfit(np.arange(SAMPLES) * SAMPLE * STEP, samples[:, 0], 1)[0]

@@ -28,7 +28,7 @@ S, D = 10.0, 0.1
 BLUE, RED, GREY, ORANGE = "#2a6fbb", "#c8413b", "#8a8f98", "#c77d1e"
 
 
-class Course(NamedTuple):
+class DrawnBranch(NamedTuple):
     """One branch in a picture."""
 
     name: str
@@ -38,27 +38,27 @@ class Course(NamedTuple):
     width: float
 
 
-def relay_courses() -> list[Course]:
+def relay_courses() -> list[DrawnBranch]:
     """From the edge down in d, to 0 or through the fold."""
     start, limits = 0.004, Limits(0.0, 0.4, 2.0, 0.03, 300)
     branches = [follow_branch(relay_birth(plant, S, start), "d", -1.0, limits) for plant in (PLANT, FALLING)]
     return [
-        Course("friction of the source, k 0.5", PLANT.k, branches[0], BLUE, 1.8),
-        Course("friction falling with speed,\nk -0.2", FALLING.k, branches[1], ORANGE, 1.3),
+        DrawnBranch("friction of the source, k 0.5", PLANT.k, branches[0], BLUE, 1.8),
+        DrawnBranch("friction falling with speed,\nk -0.2", FALLING.k, branches[1], ORANGE, 1.3),
     ]
 
 
-def proportional_courses() -> list[Course]:
+def proportional_courses() -> list[DrawnBranch]:
     """From the edge up in s; down only with crossed edges."""
     up = follow_branch(proportional_birth(PLANT, D, 1e-6), "s", 1.0, Limits(1.0, 2.0, 10.0, 0.03, 300))
     down = follow_branch(proportional_birth(PLANT, D, 1e-6, CROSSED), "s", -1.0, Limits(1.0, 2.0, 10.0, 0.03, 300))
     return [
-        Course("the loop", 0.0, up, BLUE, 1.8),
-        Course("no orbit of the loop: arcs with\nthe edges of the other sign of u", 1.0, down, GREY, 1.3),
+        DrawnBranch("the loop", 0.0, up, BLUE, 1.8),
+        DrawnBranch("no orbit of the loop: arcs with\nthe edges of the other sign of u", 1.0, down, GREY, 1.3),
     ]
 
 
-def table(courses: list[Course], parameter: str, key: str) -> Columns:
+def table(courses: list[DrawnBranch], parameter: str, key: str) -> Columns:
     """One row an orbit, the branches below each other, told apart by `key`; the multipliers beside 1 by their size."""
     keys = [np.full(len(course.branch.orbits), course.key) for course in courses]
     tops = np.vstack([course.branch.peaks for course in courses])
@@ -119,7 +119,9 @@ def draw_proportional() -> tuple[Columns, Sheet]:
     return columns, page
 
 
-def _draw(panels: list[Any], columns: Columns, courses: list[Course], parameter: str, edge: str, value: float) -> None:
+def _draw(
+    panels: list[Any], columns: Columns, courses: list[DrawnBranch], parameter: str, edge: str, value: float
+) -> None:
     names = "half-period", "greatest y1", "greatest y2", "greatest y3", "multiplier 2 real", "multiplier 3 real"
     words = "half-period T", "max y1, position", "max y2, velocity", "max y3, pressure", "multiplier", "next multiplier"
     for axes, name, word in zip(panels, names, words, strict=True):
@@ -137,7 +139,7 @@ def _legend(panels: list[Any], place: str) -> None:
     panels[-1].legend(*panels[0].get_legend_handles_labels(), loc=place, fontsize=8, framealpha=1.0, edgecolor="none")
 
 
-def _curve(axes: Any, columns: Columns, parameter: str, name: str, course: Course) -> None:
+def _curve(axes: Any, columns: Columns, parameter: str, name: str, course: DrawnBranch) -> None:
     """Solid where stable, dashed where not; both parts meet."""
     mine = next(iter(columns.values())) == course.key
     across, up, stable = columns[f"{parameter} [-]"][mine], columns[name][mine], columns["stable [-]"][mine] > 0.5

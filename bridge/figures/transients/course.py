@@ -32,7 +32,7 @@ HOLLOW = tuple(name for name in OBSERVED if name.startswith("cavity_"))
 Array = NDArray[np.float64]
 
 
-class Course(NamedTuple):
+class Transient(NamedTuple):
     """A run over time, an entry per reading."""
 
     time: Array  # [s]
@@ -49,7 +49,7 @@ class Course(NamedTuple):
 class Transient(NamedTuple):
     """A part of a course with the periods of the source."""
 
-    course: Course
+    course: Transient
     bounds: tuple[float, ...]  # [s]: begin of the first period, of each further one, end of the last
     letters: tuple[str, ...]
 
@@ -69,18 +69,18 @@ def combined(speed: int) -> Scenario:
     return load(name, changes)
 
 
-def run(scenario: Scenario) -> Course:
+def run(scenario: Scenario) -> Transient:
     """A scenario in process, its true states."""
     plant, controller = sides(scenario)
     ticks = exchange(plant, controller, scenario.ticks)
     states = [out.message for messages in ticks for out in messages if out.topic == "state"]
     seen = {name: np.array([getattr(state, name) for state in states]) for name in (*SIGNALS, *HOLLOW)}
     seen["stamp"] = 1e-9 * seen["stamp"]
-    return Course._make([*(seen[name] for name in SIGNALS), vapour(seen)])
+    return Transient._make([*(seen[name] for name in SIGNALS), vapour(seen)])
 
 
 @cache
-def experiment(speed: int) -> Course:
+def experiment(speed: int) -> Transient:
     """Figure 2.28 at a pump speed [rpm]."""
     return run(combined(speed))
 
@@ -105,7 +105,7 @@ def _transient(name: str, begin: float, end: float, event: str, letters: tuple[s
     travel = np.diff(course.spool)
     bounds = begin, _first(course.time, travel > 0.0), happened, _first(course.time, travel < 0.0), end
     inside = (course.time >= begin - 0.5 * FINE) & (course.time <= end + 0.5 * FINE)
-    part = Course(*(column[inside] for column in course))
+    part = Transient(*(column[inside] for column in course))
     return Transient(part, tuple(bound for bound in bounds if np.isfinite(bound)), letters)
 
 
@@ -113,7 +113,7 @@ def _first(time: Array, happening: NDArray[np.bool_]) -> float:
     return float(time[np.argmax(happening)]) if happening.any() else np.nan
 
 
-def columns_of(course: Course) -> Columns:
+def columns_of(course: Transient) -> Columns:
     """A course as a table."""
     return {
         "time [s]": course.time,

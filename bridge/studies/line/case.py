@@ -12,7 +12,7 @@ ENDS = ("closed", "reservoir", "shut", "open", "push")
 OIL = "rig"  # the only oil known by name; others by density, viscosity, bulk modulus
 
 
-class Request(NamedTuple):
+class LineOptions(NamedTuple):
     """What was asked for; texts with units."""
 
     length: str
@@ -41,7 +41,7 @@ class Request(NamedTuple):
     cavitation: bool
 
 
-def case_of(request: Request) -> Case:
+def case_of(request: LineOptions) -> Case:
     """The case. ValueError: a value out of its range, or ends that do not go together."""
     pipe = _pipe(request)
     velocity, pressure = amount(request, "velocity", "m/s", signed=True), amount(request, "pressure", "Pa")
@@ -60,7 +60,7 @@ def case_of(request: Request) -> Case:
     return Case(pipe, left, right, start, pressure)
 
 
-def _pipe(request: Request) -> Pipe:
+def _pipe(request: LineOptions) -> Pipe:
     if request.oil != OIL:
         raise ValueError(f"oil {request.oil!r} unknown; take {OIL}, with --density, --viscosity or --speed of your own")
     oil, steel = values()["oil"], values()["pipe_1"]
@@ -75,7 +75,7 @@ def _pipe(request: Request) -> Pipe:
     return elastic(pipe, modulus, amount(request, "wall", "m"), amount(request, "young", "Pa"))
 
 
-def _end(request: Request, kind: str, velocity: float, pressure: float) -> End:
+def _end(request: LineOptions, kind: str, velocity: float, pressure: float) -> End:
     closure = amount(request, "closure", "s", zero=True)
     if kind == "closed":
         return closed()
@@ -87,7 +87,7 @@ def _end(request: Request, kind: str, velocity: float, pressure: float) -> End:
     return End(VELOCITY, ramp(before, after, closure))
 
 
-def amount(request: Request, name: str, unit: str, signed: bool = False, zero: bool = False) -> float:
+def amount(request: LineOptions, name: str, unit: str, signed: bool = False, zero: bool = False) -> float:
     """A quantity in SI; above zero unless it may be otherwise."""
     limits = {} if signed else {"least": 0.0} if zero else {"above": 0.0}
     return option(name, getattr(request, name), unit, **limits)

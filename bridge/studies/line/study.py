@@ -15,7 +15,7 @@ from bridge.drawing.canvas import (
 )
 from bridge.drawing.files import write_columns
 from bridge.errors import UsageError, writing
-from bridge.studies.line.case import Request, amount, case_of
+from bridge.studies.line.case import LineOptions, amount, case_of
 from twin.lines.lab.exact import exact_history, kind_of
 from twin.lines.lab.pipe import VELOCITY, Case, History
 from twin.lines.lab.rig_line import NEVER
@@ -29,7 +29,7 @@ class Study(NamedTuple):
     """A case and its answers."""
 
     case: Case
-    request: Request
+    request: LineOptions
     history: History
     exact: History | None  # None where there is none: turbulent, Brunone's, cavitation
 
@@ -57,7 +57,7 @@ def scale(study: Study) -> float:
     return change * (case.pipe.hammer if end[0].holds == VELOCITY else 1.0)
 
 
-def study(request: Request) -> Study:
+def study(request: LineOptions) -> Study:
     """Run what was asked for. UsageError: one line that says what cannot be and the way out."""
     try:
         case, span = case_of(request), 0.0
@@ -77,14 +77,14 @@ def study(request: Request) -> Study:
         raise UsageError(str(error)) from None
 
 
-def _own_step(request: Request, case: Case) -> float:
+def _own_step(request: LineOptions, case: Case) -> float:
     """The rig's lines are not tied to cells: 50 us, or an eighth of a short pipe's travel time."""
     if request.scheme in ("ends", "nodes", "lumped"):
         return min(50e-6, case.pipe.travel_time / 8.0)
     return 0.0
 
 
-def _checked(case: Case, request: Request, fine: Resolution, span: float) -> None:
+def _checked(case: Case, request: LineOptions, fine: Resolution, span: float) -> None:
     if not 1 <= request.cells <= MOST_CELLS:
         raise ValueError(f"--cells {request.cells} is outside 1 .. {MOST_CELLS}")
     if not 1 <= request.poles <= MOST_POLES:
@@ -98,7 +98,7 @@ def _checked(case: Case, request: Request, fine: Resolution, span: float) -> Non
         raise ValueError(f"--span {span:g} s is shorter than a step of {step:.3g} s; take a longer one")
 
 
-def _exact(case: Case, request: Request, fine: Resolution, span: float) -> History | None:
+def _exact(case: Case, request: LineOptions, fine: Resolution, span: float) -> History | None:
     """The exact line with the friction that was asked for; of truncated weights, the one they stand for."""
     model = model_of(case, request.friction, fine, fine.step or case.pipe.travel_time / fine.cells)
     reynolds = abs(case.velocity) * case.pipe.diameter / case.pipe.viscosity

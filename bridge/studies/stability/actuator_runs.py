@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from bridge.studies.stability.chart import Plainly
-from bridge.studies.stability.chart_drawing import Overlay, Run
+from bridge.studies.stability.chart_drawing import ChartRun, Overlay
 from bridge.studies.sweep.engine import Crew, sweep
 from bridge.studies.sweep.journal import Point
 from controller.stability.actuator.parting import causes
@@ -32,7 +32,7 @@ def actuator_runs(
     for point in points:
         checked(Loops(**point))
     found = sweep(run_of, points, {"title": "runs of the actuator"}, part, crew)
-    runs = [Run(x, y, **result) for (x, y), result in zip(places, found, strict=True)]
+    runs = [ChartRun(x, y, **result) for (x, y), result in zip(places, found, strict=True)]
     start = {**OWN, **family.numbers}["start"]
     words = f"runs of the nonlinear actuator, let go {start:g} alpha from its target"
     criterion = f"A run oscillates if its last third swings by {100.0 * KEPT:.0f} % of its middle third or more"

@@ -19,7 +19,7 @@ GOOD, BAD, RING = "#1f6b39", "#a3231f", "#1c2430"
 RINGS = {"hard": "o", "saturated": "s", "slow": "v", "damped": "^", "unexplained": "p"}
 
 
-class Run(NamedTuple):
+class ChartRun(NamedTuple):
     """One run laid over a chart."""
 
     x: float
@@ -34,7 +34,7 @@ class Run(NamedTuple):
 class Overlay(NamedTuple):
     """Runs laid over a chart, and what they are runs of."""
 
-    runs: Sequence[Run]
+    runs: Sequence[ChartRun]
     words: str
     units: tuple[str, str]  # of frequency and amplitude
 
@@ -61,7 +61,7 @@ def write(chart: Chart, overlay: Overlay, base: Path) -> list[Path]:
     if not overlay.runs:
         return [picture, table, page]
     beside = base.with_name(f"{base.name}-runs.csv")
-    names = (*chart.labels, *Run._fields[2:])
+    names = (*chart.labels, *ChartRun._fields[2:])
     asked = {
         name: column for name, column in zip(names, zip(*overlay.runs, strict=True), strict=True) if None not in column
     }
@@ -103,7 +103,7 @@ def draw(chart: Chart, overlay: Overlay) -> Any:
     return page
 
 
-def _marks(axes: Any, runs: Sequence[Run]) -> list[Any]:
+def _marks(axes: Any, runs: Sequence[ChartRun]) -> list[Any]:
     """Draw the runs; what the legend needs."""
     kinds = [("run dies away", GOOD, "o", [run for run in runs if not run.oscillates])]
     kinds += [("run oscillates", BAD, "x", [run for run in runs if run.oscillates and not run.saturated])]
@@ -149,7 +149,7 @@ def html(chart: Chart, overlay: Overlay) -> str:
     return page.replace("@DATA@", json.dumps(data).replace("</", "<\\/"))
 
 
-def _run_words(run: Run, units: tuple[str, str]) -> str:
+def _run_words(run: ChartRun, units: tuple[str, str]) -> str:
     swing = f"oscillates at {run.frequency:.4g} {units[0]}, amplitude {run.amplitude:.3g} {units[1]}"
     swing = swing if run.oscillates else "dies away"
     limit = f", the valve at its limit for {100.0 * run.saturated:.0f} % of the samples" if run.saturated else ""

@@ -18,7 +18,7 @@ AT = 0.1  # [s], when it steps, at the sampling instant that follows
 TOLERANCE = 0.01  # of the gain
 
 
-class Edge(NamedTuple):
+class TwinEdge(NamedTuple):
     """Where a loop begins to oscillate."""
 
     stable: float  # [1/m], the highest gain found that does not oscillate
@@ -55,7 +55,7 @@ def judged(trace: Trace, asked: Scenario, size: float) -> Swing:
     return judge_swing(trace.time, trace.position, reference.at, size, not asked.daq.quantise)
 
 
-def critical_gain(scenario: Scenario, guess: float, size: float = STEP, tolerance: float = TOLERANCE) -> Edge:
+def critical_gain(scenario: Scenario, guess: float, size: float = STEP, tolerance: float = TOLERANCE) -> TwinEdge:
     """The gain [1/m] at which the twin begins to oscillate, bracketed from a guess, then bisected to the tolerance.
 
     Raises ValueError when neither 1/64 nor 64 times the guess brackets it.
@@ -79,7 +79,7 @@ def critical_gain(scenario: Scenario, guess: float, size: float = STEP, toleranc
             high, found = between, swing
         else:
             low = between
-    return Edge(low, high, found.frequency, found.amplitude)
+    return TwinEdge(low, high, found.frequency, found.amplitude)
 
 
 def stand_of(scenario: Scenario) -> Stand:

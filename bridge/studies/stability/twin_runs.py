@@ -8,7 +8,7 @@ from typing import Any
 from bridge.errors import UsageError
 from bridge.scenario import Scenario
 from bridge.studies.stability.chart import OfRig
-from bridge.studies.stability.chart_drawing import Overlay, Run
+from bridge.studies.stability.chart_drawing import ChartRun, Overlay
 from bridge.studies.stability.edges import placed
 from bridge.studies.stability.probe import STEP, stand_of, swing_at
 from bridge.studies.sweep.engine import Crew, sweep
@@ -30,7 +30,7 @@ def twin_runs(
     by_point = {str(point): result for point, result in zip(points, found, strict=True)}
     results = [(place, by_point[str(point)]) for place, point in asked.items()]
     runs = [
-        Run(x, y, bool(swing["oscillates"]), swing["frequency"], swing["amplitude"], None, None)
+        ChartRun(x, y, bool(swing["oscillates"]), swing["frequency"], swing["amplitude"], None, None)
         for (x, y), swing in results
     ]
     return Overlay(runs, "runs of the full twin", ("Hz", "m"))
