@@ -4,34 +4,42 @@ Source: 2.2.2. Channel j of n is read at t - (n-1-j) * skew, interpolated inside
 units of the card's resolution; what lies outside a range reads as its end. Each effect can be switched off.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.kernel import kernel
+from twin.topology import CHANNELS
 
-CHANNELS = ("position", "velocity", "p1", "p2", "p3")
 NOISE_ROWS = 1024
 
 
 class Card(NamedTuple):
-    """The card and its transducers; lengths in m, pressures in Pa."""
+    """The card and its transducers; ranges in the SI unit of each of CHANNELS."""
 
     bits: float  # resolution
-    position_range: float  # 0 .. [m]
-    velocity_range: float  # -+ [m/s], tachometer
-    pressure_range: float  # 0 .. [Pa]
+    low: NDArray[np.float64]  # ends of the ranges
+    high: NDArray[np.float64]
+    fitted: NDArray[np.bool_]  # a channel that is not fitted takes no turn and reads NaN
     noise: float  # [LSB rms]; 0.0 for none
     skew: float  # from channel to channel [s]; 0.0 for none
     quantise: bool
     clip: bool
-    tachometer: bool  # False: no such channel, velocity reads NaN
+
+
+def card_of(daq: Any) -> Card:
+    """The card that a section of settings describes: `bits`, `noise` and so on, and the range of each of CHANNELS."""
+    spans = np.array([float(getattr(daq, channel.span)) for channel in CHANNELS.values()])
+    signed = np.array([channel.signed for channel in CHANNELS.values()])
+    fitted = np.array([bool(getattr(daq, c.switch)) if c.switch else True for c in CHANNELS.values()])
+    return Card(daq.bits, np.where(signed, -spans, 0.0), spans, fitted, daq.noise, daq.skew, daq.quantise, daq.clip)
 
 
 def noise_block(seed: int, block: int) -> NDArray[np.float64]:
-    """Unit noise for ticks block * 1024 and on, shape (1024, 5): a function of the seed and the tick alone."""
-    return np.random.Generator(np.random.Philox(key=seed, counter=[0, 0, 0, block])).standard_normal((NOISE_ROWS, 5))
+    """Unit noise for ticks block * 1024 and on, shape (1024, channels): a function of the seed and the tick alone."""
+    source = np.random.Generator(np.random.Philox(key=seed, counter=[0, 0, 0, block]))
+    return source.standard_normal((NOISE_ROWS, len(CHANNELS)))
 
 
 @kernel
@@ -48,19 +56,14 @@ def convert(value: float, low: float, high: float, noise: float, card: Card) -> 
 
 @kernel
 def acquire(taps, noise, card: Card, step: float, out) -> None:
-    """Fill `out` (5) with one scan. taps: shape (2, 5), true values a step [s] before the scan's end and at it."""
-    channels = 5 if card.tachometer else 4
-    turn = 0
-    for j in range(5):
-        if j == 1 and not card.tachometer:
+    """Fill `out`, one per channel, with one scan. taps: true values a step [s] before the scan's end, and at it."""
+    waiting = 0
+    for j in range(len(out)):
+        waiting += card.fitted[j]
+    for j in range(len(out)):
+        if not card.fitted[j]:
             out[j] = np.nan
             continue
-        earlier = (channels - 1 - turn) * card.skew / step
-        value = taps[1, j] + earlier * (taps[0, j] - taps[1, j])
-        turn += 1
-        if j == 0:
-            out[j] = convert(value, 0.0, card.position_range, noise[j], card)
-        elif j == 1:
-            out[j] = convert(value, -card.velocity_range, card.velocity_range, noise[j], card)
-        else:
-            out[j] = convert(value, 0.0, card.pressure_range, noise[j], card)
+        waiting -= 1
+        value = taps[1, j] + waiting * card.skew / step * (taps[0, j] - taps[1, j])
+        out[j] = convert(value, card.low[j], card.high[j], noise[j], card)

@@ -1,35 +1,104 @@
-"""The circuit in tables: its lines, their ends and taps, where oil can be hollow, and what a run observes.
+"""The circuit in tables: places, pipes, what a run observes, and the channels of the card.
 
-Plain data without numba, for whoever lists, names or draws the circuit.
+Plain data without numba, for whoever integrates, lists, names or draws the circuit. Rows may be added; the order of
+PLACES, PIPES and OBSERVED is that of the arrays of the plant and of the messages.
 """
 
-LINES = 6
+from typing import NamedTuple
 
-ENDS = ("pump", "tee_1", "tee_2", "p", "a", "lower", "b", "upper", "t", "back_5", "back_6", "tank")
+
+class Place(NamedTuple):
+    """Where components and line ends meet."""
+
+    pressure: str  # the observed quantity
+    words: str
+
+
+class Pipe(NamedTuple):
+    """A line between two places; flow from the first to the second is positive."""
+
+    first: str
+    second: str
+
+
+class Channel(NamedTuple):
+    """A sensor and its channel of the card."""
+
+    reads: str  # the observed quantity that it touches
+    span: str  # field of the scenario's `daq` that states its range
+    note: str  # in the message definition, behind the unit
+    words: str  # where it is or what it is, on pictures
+    signed: bool = False  # the range is -span .. span, else 0 .. span
+    switch: str = ""  # field of `daq` that says whether it is fitted; without one it always is
+
+    @property
+    def unit(self) -> str:
+        """SI."""
+        return OBSERVED[self.reads]
+
+
+TANK = "tank"  # at no pressure, no place of its own
+PLACES = {
+    "pump": Place("p_pump", "pump"),
+    "tee": Place("p1", "tee"),
+    "p": Place("p_p", "port P"),
+    "a": Place("p_a", "port A"),
+    "lower": Place("p_lower", "lower chamber"),
+    "upper": Place("p_upper", "upper chamber"),
+    "b": Place("p_b", "port B"),
+    "t": Place("p_t", "port T"),
+    "return": Place("p_return", "return tee"),
+}
+CHAMBERS = ("lower", "upper")
+PORTS = tuple(place for place in PLACES if place not in CHAMBERS)  # places without a volume of their own
+
+PIPES = {  # by their part of the rig
+    "pipe_1": Pipe("pump", "tee"),
+    "pipe_2": Pipe("tee", "p"),
+    "pipe_3": Pipe("a", "lower"),
+    "pipe_4": Pipe("b", "upper"),
+    "pipe_5": Pipe("t", "return"),
+    "pipe_6": Pipe("return", TANK),
+}
+LINES = len(PIPES)
+POINTS = 11  # along each line, from its first end (behind a fitting) to its second
+ENDS = tuple(place for pipe in PIPES.values() for place in pipe)  # line i has ends 2 i and 2 i + 1, from 0
+END_OF = {place: ENDS.index(place) for place in PLACES}  # the end that has the pressure of a place
+FLOWS = tuple(f"flow_{line}" for line in range(1, LINES + 1))
+HOLLOWS = (*CHAMBERS, *PORTS, *(f"line_{line}" for line in range(1, LINES + 1)))  # inside a line: model `nodes` only
+
+
+def cavity(hollow: str) -> str:
+    """The observed quantity that is the cavity at a place."""
+    return f"cavity_{hollow}"
+
 
 OBSERVED = {  # name: SI unit
     "position": "m",
     "velocity": "m/s",
     "spool": "",
-    **dict.fromkeys(("p_pump", "p1", "p_p", "p_a", "p_lower", "p_upper", "p_b", "p_t", "p_return"), "Pa"),
-    **dict.fromkeys(("cavity_lower", "cavity_upper"), "m^3"),
-    **dict.fromkeys((*(f"flow_{line}" for line in range(1, 7)), "flow_pump", "flow_relief"), "m^3/s"),
+    **{place.pressure: "Pa" for place in PLACES.values()},
+    **{cavity(place): "m^3" for place in CHAMBERS},
+    **dict.fromkeys((*FLOWS, "flow_pump", "flow_relief"), "m^3/s"),
     **dict.fromkeys(("relief_pilot", "relief_spool"), "m"),
     "mass": "kg",
     "friction": "N",
-    **dict.fromkeys(
-        ("cavity_pump", "cavity_tee", "cavity_p", "cavity_a", "cavity_b", "cavity_t", "cavity_return", "cavity_lines"),
-        "m^3",
-    ),
+    **{cavity(place): "m^3" for place in (*PORTS, "lines")},
     **dict.fromkeys(("oil_stored", "oil_pumped", "oil_relieved", "oil_returned"), "m^3"),
 }
-
-PLACES = 11  # along each line, from its first end (behind a fitting) to its second
-
-HOLLOWS = (
-    *("lower", "upper"),  # chambers
-    *("pump", "tee", "p", "a", "b", "t", "return"),  # line ends, as CAVITIES of `block`
-    *(f"line_{line}" for line in range(1, LINES + 1)),  # inside a line; only its model `nodes` has any
-)
-
 BALANCE_UNITS = {"force_balance": "Pa", "speed_balance": "m/s", "sink_balance": "m/s"}
+
+CAVITIES = tuple(name for name in OBSERVED if name.startswith(cavity("")))
+
+CHANNELS = {  # in the order in which the card reads them
+    "position": Channel("position", "position_range", ", upwards", "piston"),
+    "velocity": Channel(
+        "velocity", "velocity_range", ", tachometer; NaN when absent", "piston", signed=True, switch="tachometer"
+    ),
+    "p1": Channel("p1", "pressure_range", " gauge, inlet of the relief valve", "relief valve"),
+    "p2": Channel("p_lower", "pressure_range", " gauge, lower chamber (rod side, it lifts)", "lower chamber"),
+    "p3": Channel("p_upper", "pressure_range", " gauge, upper chamber (cap side)", "upper chamber"),
+}
+PRESSURES = tuple(name for name, channel in CHANNELS.items() if channel.unit == "Pa")
+PLACE_OF = {place.pressure: name for name, place in PLACES.items()}
+TAPS = {tap: PLACE_OF[CHANNELS[tap].reads] for tap in PRESSURES}  # where they are

@@ -8,6 +8,7 @@ from bridge.cli.options import (
     CHANGES,
     SCENARIO,
 )
+from twin.topology import PIPES
 
 
 def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
@@ -49,7 +50,7 @@ def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: A
     step = loaded.loop.step * 1e6
     print(f"{loaded.name} at {step:g}, {step / 2:g} and {step / 4:g} us; errors against the finest")
     print_table(("signal", "rms", "greatest", "order"), [row.words() for row in rows])
-    if any(pipe["model"] == "ends" for name, pipe in loaded.rig_values().items() if name.startswith("pipe_")):
+    if any(loaded.rig_values()[pipe]["model"] == "ends" for pipe in PIPES):
         print("lines of model ends are fitted anew to each step: what is left of the filters' own error does not fall")
 
 

@@ -4,19 +4,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.scenario import Scenario
-from twin.sensors import NOISE_ROWS, Card, acquire, noise_block
+from twin.circuit.block import buffers
+from twin.sensors import NOISE_ROWS, acquire, card_of, noise_block
+from twin.topology import CHANNELS
 
 
 class Acquisition:
     """One card; its noise is a function of seed and tick alone."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.taps = np.zeros((2, 5))  # true values a step before the scan's end and at it; the plant fills them
-        self._card = card_of(scenario)
+        self.taps, _ = buffers()  # true values a step before the scan's end and at it; the plant fills them
+        self._card = card_of(scenario.daq)
         self._seed = scenario.seed
         self._step = scenario.loop.step
         self._number, self._noise = 0, noise_block(scenario.seed, 0)
-        self._reading = np.zeros(5)
+        self._reading = np.zeros(len(CHANNELS))
         self.read(0)  # compiled before the clock starts
 
     def read(self, tick: int) -> NDArray[np.float64]:
@@ -26,19 +28,3 @@ class Acquisition:
             self._number, self._noise = number, noise_block(self._seed, number)
         acquire(self.taps, self._noise[row], self._card, self._step, self._reading)
         return self._reading
-
-
-def card_of(scenario: Scenario) -> Card:
-    """The scenario's data acquisition card."""
-    daq = scenario.daq
-    return Card(
-        bits=daq.bits,
-        position_range=daq.position_range,
-        velocity_range=daq.velocity_range,
-        pressure_range=daq.pressure_range,
-        noise=daq.noise,
-        skew=daq.skew,
-        quantise=daq.quantise,
-        clip=daq.clip,
-        tachometer=daq.tachometer,
-    )

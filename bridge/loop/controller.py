@@ -1,6 +1,7 @@
 """The controller as its partners see it: measurements in, commands out. No clock, no network."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from bridge.loop.law import find_law
@@ -31,12 +32,11 @@ class ControllerSide:
         stamp = measurement.stamp
         if not is_sample(stamp, self.grid):
             return []
-        m = measurement
-        spool, target = self.decide(Sample(stamp, m.position, m.velocity, m.p1, m.p2, m.p3))
+        spool, target = self.decide(sample_of(stamp, vars(measurement)))
         sequence = self.published["command"]
         self.published = {"command": sequence + 1, "reference": sequence + 1}
         position = target.position if self.follows else math.nan
-        own = {"run_id": m.run_id, "source": self.source, "sequence": sequence}
+        own = {"run_id": measurement.run_id, "source": self.source, "sequence": sequence}
         command = ValveCommand(**own, sample_stamp=stamp, apply_at=stamp + self.grid.delay, spool=spool)
         wanted = Reference(**own, stamp=stamp, position=position, velocity=target.velocity)
         return [Outgoing("command", stamp, sequence, command), Outgoing("reference", stamp, sequence, wanted)]
@@ -46,3 +46,8 @@ class ControllerSide:
         target = evaluate(self.reference, sample.stamp_ns / NS)
         spool, self._memory = self.law(sample, target, self._memory, self.gains)
         return float(spool), target
+
+
+def sample_of(stamp: int, readings: Mapping[str, Any]) -> Sample:
+    """What a law is given of a scan at a stamp [ns]: the channels that it may read."""
+    return Sample(stamp, **{name: readings[name] for name in Sample._fields[1:]})

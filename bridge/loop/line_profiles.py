@@ -8,7 +8,7 @@ from bridge.wire.codec import LineProfile
 from bridge.wire.messages import Outgoing
 from twin.circuit.block import Compiled
 from twin.circuit.profile import XI, along_lines
-from twin.topology import HOLLOWS, LINES, PLACES
+from twin.topology import HOLLOWS, LINES, POINTS
 
 
 class LineProfiles:
@@ -17,20 +17,19 @@ class LineProfiles:
     def __init__(self, run_id: int, circuit: Compiled) -> None:
         self._run_id = run_id
         self._circuit = circuit
-        self._pressure = np.zeros((LINES, PLACES))
+        self._pressure = np.zeros((LINES, POINTS))
         self._cavity = np.zeros(len(HOLLOWS))
 
     def message(self, state: Any, sequence: int, tick: int, stamp: int) -> Outgoing:
         """What stands along the lines in a flat state."""
         along_lines(state, *self._circuit, XI, self._pressure, self._cavity)
-        pressure, cavity = self._pressure.ravel().copy(), self._cavity.copy()
         profile = LineProfile(
             run_id=self._run_id,
             sequence=sequence,
             tick=tick,
             stamp=stamp,
-            places=PLACES,
-            pressure=pressure,
-            cavity=cavity,
+            places=POINTS,
+            pressure=self._pressure.ravel().copy(),
+            cavity=self._cavity.copy(),
         )
         return Outgoing("lines", stamp, sequence, profile)

@@ -14,11 +14,10 @@ from bridge.loop.line_profiles import LineProfiles
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
-from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason
+from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap
 from controller.grid import NS, last_due
 from twin.circuit.block import compiled, run_block
-from twin.sensors import CHANNELS
-from twin.topology import OBSERVED
+from twin.topology import CHANNELS, OBSERVED, PRESSURES
 
 
 class PlantSide:
@@ -138,8 +137,8 @@ class PlantSide:
             effort=np.array([]),
         )
         out = [Outgoing("joint", self.now, self._count("joint"), joint)]
-        for tap in ("p1", "p2", "p3"):
-            topic = f"pressure/{tap}"
+        for tap in PRESSURES:
+            topic = of_tap(tap)
             pressure = FluidPressure(header=header, fluid_pressure=getattr(m, tap), variance=0.0)
             out.append(Outgoing(topic, self.now, self._count(topic), pressure))
         out.append(self._lines.message(self._state, self._count("lines"), self.tick_number, self.now))

@@ -19,6 +19,7 @@ from bridge.wire.codec import LoopTiming, ready
 from bridge.wire.link import Link
 from bridge.wire.messages import Ending, Mode, Outgoing, Phase, last_words
 from controller.grid import NS, is_sample
+from twin.topology import PRESSURES
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
@@ -215,7 +216,7 @@ class PlantProcess:
             "safe_states": side.inlet.safe_states,
         }
         if m is not None:
-            values |= {"position": m.position, "p1": m.p1, "p2": m.p2, "p3": m.p3, "spool": side.inlet.value}
+            values |= {name: getattr(m, name) for name in ("position", *PRESSURES)} | {"spool": side.inlet.value}
         values |= {f"refused/{reason}": count for reason, count in side.inlet.refused.items()}
         values |= extra
         if final:

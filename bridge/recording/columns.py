@@ -10,6 +10,7 @@ from bridge.scenario import Scenario
 from controller.grid import NS
 from controller.metrics import Signals
 from controller.reference import evaluate
+from twin.topology import CAVITIES
 
 
 def signals(recording: Recording, scenario: Scenario) -> Signals:
@@ -37,7 +38,7 @@ def reference_at(time: np.ndarray, scenario: Scenario) -> np.ndarray:
 
 def vapour(state: Mapping[str, NDArray]) -> NDArray[np.float64]:
     """Volume of all cavities [m^3] at every stamp."""
-    return np.sum([values for name, values in state.items() if name.startswith("cavity_")], axis=0)
+    return np.sum([state[name] for name in CAVITIES if name in state], axis=0)
 
 
 def relief_moved(state: Mapping[str, NDArray]) -> bool:

@@ -7,18 +7,10 @@ from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
 from controller.grid import NS
-from twin.topology import HOLLOWS, PLACES
+from twin.topology import HOLLOWS, LINES, PIPES, PLACES, POINTS, cavity
 
 Array = NDArray[np.float64]
 APART = NS // 50  # [ns], of the frames of a recording without profiles
-ENDS = (  # of the six lines in the true state; the tank is at 0
-    ("p_pump", "p1"),
-    ("p1", "p_p"),
-    ("p_a", "p_lower"),
-    ("p_b", "p_upper"),
-    ("p_t", "p_return"),
-    ("p_return", None),
-)
 
 
 class Frames(NamedTuple):
@@ -47,16 +39,16 @@ def profiles(recording: Recording) -> tuple[NDArray[np.int64], Array, Array]:
     if not lines:
         return _straight(recording.columns("state"))
     stamps = np.array([line.stamp for line in lines], np.int64)
-    pressure = np.array([line.pressure for line in lines]).reshape(len(lines), 6, -1)
+    pressure = np.array([line.pressure for line in lines]).reshape(len(lines), LINES, -1)
     return stamps, pressure, np.array([line.cavity for line in lines])
 
 
 def _straight(state: dict[str, NDArray]) -> tuple[NDArray[np.int64], Array, Array]:
     drawn = {name: column[state["stamp"] % APART == 0] for name, column in state.items()}
-    none, share = np.zeros(len(drawn["stamp"])), np.linspace(0.0, 1.0, PLACES)
+    none, share = np.zeros(len(drawn["stamp"])), np.linspace(0.0, 1.0, POINTS)
     rows = []
-    for first, second in ENDS:
-        start, end = drawn[first], none if second is None else drawn[second]
+    for pipe in PIPES.values():
+        start, end = (drawn[PLACES[place].pressure] if place in PLACES else none for place in pipe)
         rows.append(start[:, None] * (1.0 - share) + end[:, None] * share)
-    known = [drawn.get(f"cavity_{name}", none) for name in HOLLOWS]
+    known = [drawn.get(cavity(name), none) for name in HOLLOWS]
     return drawn["stamp"], np.stack(rows, axis=1), np.stack(known, axis=1)

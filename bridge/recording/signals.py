@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
 from bridge.scenario.bands import SIGNALS
-from bridge.wire.messages import TOPICS, described, struct_format
+from bridge.wire.messages import TOPICS, described, of_tap, struct_format
 from controller.grid import NS
+from twin.topology import PRESSURES
 
 COMPARED = ("measurement", "state", "command", "reference")
 INSTANTS = {"command": "sample_stamp"}  # of others "stamp"
@@ -36,7 +37,7 @@ def units(topic: str) -> dict[str, str]:
 
 _SPACED = ("Pa s/m^3",)
 _STANDARD = {"joint": {"position": "m", "velocity": "m/s", "effort": "N"}} | {
-    topic: {"fluid_pressure": "Pa", "variance": "Pa^2"} for topic in TOPICS if topic.startswith("pressure/")
+    topic: {"fluid_pressure": "Pa", "variance": "Pa^2"} for topic in map(of_tap, PRESSURES)
 }
 _STANDARD |= {topic: {"stamp": "ns"} for topic in ("measurement", "state", "timing", "lines")}
 

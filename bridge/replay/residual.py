@@ -8,8 +8,8 @@ from bridge.recording.compare import Difference
 from bridge.recording.reader import Recording
 from bridge.wire.codec import Residual
 from bridge.wire.messages import EventKind, Outgoing
+from twin.topology import CHANNELS
 
-MEASURED = ("position", "velocity", "p1", "p2", "p3")
 EVENTS = "event"
 
 
@@ -44,8 +44,8 @@ class Residuals:
         recorded = self._recorded.get(outgoing.topic, {}).get(outgoing.log_time)
         if recorded is None:
             return None
-        apart = dict.fromkeys((*MEASURED, "spool"), math.nan)
-        names = MEASURED if outgoing.topic == "measurement" else ("spool",)
+        apart = dict.fromkeys((*CHANNELS, "spool"), math.nan)
+        names = CHANNELS if outgoing.topic == "measurement" else ("spool",)
         apart |= {name: getattr(outgoing.message, name) - getattr(recorded, name) for name in names}
         message = Residual(run_id=self._run_id, sequence=self._count, stamp=outgoing.log_time, **apart)
         self._count += 1

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from bridge.scenario import Scenario
 from bridge.wire.messages import Phase
+from twin.topology import PRESSURES
 
 if TYPE_CHECKING:
     from rich.live import Live
@@ -58,7 +59,7 @@ def _line(scenario: Scenario, values: dict[str, Any]) -> "Table":
     cells = [Text(scenario.name, "bold"), str(values["phase"]), f"{bar:·<20}", f"{done:.1f}/{total:g} s"]
     if "position" in values:
         cells.append(f"x {values['position'] * 1e3:.1f} mm")
-        cells.append("p " + " ".join(f"{values[tap] / 1e5:.0f}" for tap in ("p1", "p2", "p3")) + " bar")
+        cells.append("p " + " ".join(f"{values[tap] / 1e5:.0f}" for tap in PRESSURES) + " bar")
         cells.append(f"u {values['spool']:+.2f}")
     if values.get("lateness") is not None:
         cells.append(f"late {values['lateness'] * 1e6:.0f} us")

@@ -11,6 +11,7 @@ from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.step import Circuit
 from twin.relief.poppet import cracking_pressure
 from twin.rig import RIG, Choice, Entry
+from twin.topology import PIPES
 
 PICTURE = """\
                       p1
@@ -106,10 +107,10 @@ def _load_facts(circuit: Circuit) -> list[Fact]:
 
 def _line_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
     found = []
-    for line, (travel, z0) in enumerate(zip(circuit.lines.travel_time, circuit.lines.z0, strict=True), start=1):
-        speed = scenario.rig_values()[f"pipe_{line}"]["length"] / travel
+    for pipe, travel, z0 in zip(PIPES, circuit.lines.travel_time, circuit.lines.z0, strict=True):
+        speed = scenario.rig_values()[pipe]["length"] / travel
         text = f"{speed:.0f} m/s, {travel * 1e3:.3g} ms, {z0 / 6e9:.3g} bar/(l/min)"
-        found.append(Fact(f"pipe_{line}: wave speed, travel time, characteristic impedance", text))
+        found.append(Fact(f"{pipe}: wave speed, travel time, characteristic impedance", text))
     return found
 
 

@@ -23,6 +23,7 @@ from bridge.scenario.references import Reference
 from controller.grid import NS, Sampling, sampling
 from controller.law import LAWS
 from twin.rig import RIG, Choice, Entry, values
+from twin.topology import CHANNELS
 
 
 class Start(Part):
@@ -156,8 +157,10 @@ class Scenario(Part):
             raise ValueError(
                 f"start.position {self.start.position} m lies outside the stroke, 0 to {self.rig.cylinder.stroke} m"
             )
-        if self.daq.skew * 4 > self.loop.step:
-            raise ValueError(f"daq.skew {self.daq.skew} s: a scan must fit in a step, at most {self.loop.step / 4} s")
+        if self.daq.skew * (gaps := len(CHANNELS) - 1) > self.loop.step:
+            raise ValueError(
+                f"daq.skew {self.daq.skew} s: a scan must fit in a step, at most {self.loop.step / gaps} s"
+            )
         settings = self.controller
         if settings.law in ("pd", "relay") and settings.velocity == "measured" and not self.daq.tachometer:
             raise ValueError(

@@ -7,6 +7,7 @@ from bridge.drawing.colours import UNKNOWN
 from bridge.view.curves import PICTURES
 from bridge.view.length_time import HEIGHT, WIDTH, entity
 from bridge.view.timeline import TIMELINE
+from twin.topology import LINES
 
 Spans = dict[str, tuple[float, float]]  # what the vertical axis of a picture holds
 EVENTS, RUN = "events", "run"
@@ -70,7 +71,7 @@ def _maps() -> Any:
     bounds = rrb.VisualBounds2D(x_range=(-80.0, WIDTH + 110.0), y_range=(-42.0, HEIGHT + 66.0))
     views = [
         rrb.Spatial2DView(origin=entity(pipe), name=f"pipe {pipe + 1}", visual_bounds=bounds, background=UNKNOWN)
-        for pipe in range(6)
+        for pipe in range(LINES)
     ]
     return rrb.Tabs(*views, active_tab=CHOSEN_PIPE)
 

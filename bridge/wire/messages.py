@@ -10,9 +10,17 @@ from enum import StrEnum
 from functools import cache
 from typing import Any, NamedTuple
 
-from twin.topology import HOLLOWS, OBSERVED, PLACES
+from twin.topology import CHAMBERS, CHANNELS, HOLLOWS, LINES, OBSERVED, POINTS, PORTS, PRESSURES
 
 PACKAGE = "hydrotwin_msgs/msg"
+MEASURED = {name: f"[{channel.unit}]{channel.note}" for name, channel in CHANNELS.items()}
+COMPARABLE = {name: f"[{channel.unit}]" for name, channel in CHANNELS.items()}
+
+
+def _floats(comments: dict[str, str]) -> str:
+    """Lines of a message definition, their comments one below the other."""
+    width = max(map(len, comments))
+    return "".join(f"float64 {name:{width}}  # {comment}\n" for name, comment in comments.items())
 
 
 class Mode(StrEnum):
@@ -100,12 +108,8 @@ uint64 run_id
 uint64 sequence
 uint64 tick       # stamp = tick * DAQ period
 int64 stamp       # simulated time since the start of the run [ns]
-float64 position  # [m], upwards
-float64 velocity  # [m/s], tachometer; NaN when absent
-float64 p1        # [Pa] gauge, inlet of the relief valve
-float64 p2        # [Pa] gauge, lower chamber (rod side, it lifts)
-float64 p3        # [Pa] gauge, upper chamber (cap side)
-""",
+"""
+    + _floats(MEASURED),
     "ValveCommand": """\
 # One command to the proportional valve, held until the next one acts.
 uint64 run_id
@@ -143,13 +147,8 @@ int64 slack       # how long before it was needed the last command came [ns] wal
 uint64 run_id     # of the recorded run
 uint64 sequence
 int64 stamp       # [ns] of the measurement, of a command the sample it answers
-float64 position  # [m], of measurements
-float64 velocity  # [m/s]
-float64 p1        # [Pa]
-float64 p2        # [Pa]
-float64 p3        # [Pa]
-float64 spool     # spool reference, of commands
-""",
+"""
+    + _floats(COMPARABLE | {"position": "[m], of measurements", "spool": "spool reference, of commands"}),
 }
 
 OTHER_MESSAGES: dict[str, str] = {
@@ -171,11 +170,11 @@ uint64 run_id
 uint64 sequence
 uint64 tick
 int64 stamp          # simulated [ns]
-uint64 places        # in a line ({PLACES}), evenly spaced from its first end, behind a fitting, to its second
+uint64 places        # in a line ({POINTS}), evenly spaced from its first end, behind a fitting, to its second
 float64[] pressure   # [Pa] gauge, line after line, in each place after place: that of line i at place j, from 0,
                      # is pressure[i * places + j]
-float64[] cavity     # [m^3] of vapour, in this order: {", ".join(HOLLOWS[:2])} (chambers);
-                     # {", ".join(HOLLOWS[2:9])} (line ends); {HOLLOWS[9]} .. {HOLLOWS[-1]} (inside)
+float64[] cavity     # [m^3] of vapour, in this order: {", ".join(CHAMBERS)} (chambers);
+                     # {", ".join(PORTS)} (line ends); {HOLLOWS[-LINES]} .. {HOLLOWS[-1]} (inside)
 """,
     "Status": """\
 # How a process is doing.
@@ -226,6 +225,11 @@ TEXTS = {_own(name): text for name, text in (LOOP_MESSAGES | OTHER_MESSAGES).ite
 RULE = "=" * 80  # between the types of a schema
 
 
+def of_tap(tap: str) -> str:
+    """The topic of a pressure for viewers."""
+    return f"pressure/{tap}"
+
+
 TOPICS: dict[str, Topic] = {
     topic.name: topic
     for topic in (
@@ -235,9 +239,10 @@ TOPICS: dict[str, Topic] = {
         Topic("state", _own("PlantState"), "plant", "DAQ period", True, False),
         Topic("event", _own("Event"), "plant", "as it happens", True, False),
         Topic("joint", "sensor_msgs/msg/JointState", "plant", "viewer period", True, False),
-        Topic("pressure/p1", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
-        Topic("pressure/p2", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
-        Topic("pressure/p3", "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False),
+        *(
+            Topic(of_tap(tap), "sensor_msgs/msg/FluidPressure", "plant", "viewer period", True, False)
+            for tap in PRESSURES
+        ),
         Topic("lines", _own("LineProfile"), "plant", "viewer period", True, False),
         Topic("timing", _own("LoopTiming"), "plant", "DAQ period, real time only", False, False),
         Topic(

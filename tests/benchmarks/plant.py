@@ -14,14 +14,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.circuit.block import compiled, run_block
+from twin.circuit.block import buffers, compiled, run_block
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import MEMORY_AT, ends_of, flatten
 from twin.kernel import kernel
 from twin.lines.bank import leave, oncoming, unpacked
 from twin.rig import values
-from twin.topology import OBSERVED
 
 Row = tuple[str, str, str, str]
 GOALS = {50e-6: 125.0, 100e-6: 250.0}  # times real time, whatever the valve does
@@ -39,7 +38,7 @@ class Plant:
         circuit = build(values(changes), step)
         self.circuit, self.compiled = circuit, compiled(circuit)
         self.state = flatten(equilibrium(circuit, 0.13))
-        self.taps, self.seen = np.zeros((2, 5)), np.zeros(len(OBSERVED))
+        self.taps, self.seen = buffers()
         self.steps = round(BLOCK / step)
         self.advance(0.0)
 

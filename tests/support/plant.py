@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.circuit.block import advance, compiled, run_block
+from twin.circuit.block import advance, buffers, compiled, run_block
 from twin.circuit.build import build
 from twin.circuit.state import (
     State,
@@ -44,7 +44,7 @@ def run(s: State, reference: float, c: Circuit, seconds: float) -> State:
 
 def states(s: State, reference: float, c: Circuit, seconds: float, every: int = 1) -> Iterator[State]:
     """The states after each `every` steps."""
-    flat, view, taps, seen = flatten(s), compiled(c), np.zeros((2, 5)), np.zeros(len(OBSERVED))
+    flat, view, taps, seen = flatten(s), compiled(c), *buffers()
     for _ in range(round(seconds / (every * c.parts.step))):
         run_block(flat, reference, *view, every, taps, seen)
         yield unflatten(flat)
@@ -52,7 +52,7 @@ def states(s: State, reference: float, c: Circuit, seconds: float, every: int = 
 
 def watched(s: State, reference: float, c: Circuit, seconds: float, every: int = 1) -> tuple[dict[str, Array], State]:
     """What can be OBSERVED after each `every` steps, a column each, and the state at the end."""
-    flat, view, taps = flatten(s), compiled(c), np.zeros((2, 5))
+    flat, view, taps = flatten(s), compiled(c), buffers()[0]
     seen = np.zeros((round(seconds / (every * c.parts.step)), len(OBSERVED)))
     for row in seen:
         run_block(flat, reference, *view, every, taps, row)

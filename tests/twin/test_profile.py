@@ -14,14 +14,14 @@ from twin.circuit.block import compiled, observed
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.profile import XI, along_lines
 from twin.circuit.state import flatten, unflatten
-from twin.topology import HOLLOWS, PLACES
+from twin.topology import HOLLOWS, POINTS
 
 CAVITIES = ("lower", "upper", "pump", "tee", "p", "a", "b", "t", "return")
 
 
 def profile(state, c) -> tuple[np.ndarray, dict[str, float]]:
     """Pressures along the lines and cavities by name."""
-    pressure, cavity = np.zeros((6, PLACES)), np.zeros(len(HOLLOWS))
+    pressure, cavity = np.zeros((6, POINTS)), np.zeros(len(HOLLOWS))
     along_lines(flatten(state), *compiled(c), XI, pressure, cavity)
     return pressure, dict(zip(HOLLOWS, cavity.tolist(), strict=True))
 
@@ -76,7 +76,7 @@ def test_looking_changes_nothing():
     state = equilibrium(c, 0.1)
     flat = flatten(state)
     before = flat.copy()
-    along_lines(flat, *compiled(c), XI, np.zeros((6, PLACES)), np.zeros(len(HOLLOWS)))
+    along_lines(flat, *compiled(c), XI, np.zeros((6, POINTS)), np.zeros(len(HOLLOWS)))
     assert flat.tolist() == before.tolist()
     assert observed(unflatten(flat), c)["p1"] == state.ends.pressure[1]
 
@@ -85,7 +85,7 @@ def test_it_costs_microseconds():
     """A kernel call a viewer period: against 20 ms of which the plant has 1 ms blocks."""
     c = circuit()
     flat, view = flatten(equilibrium(c, 0.1)), compiled(c)
-    pressure, cavity = np.zeros((6, PLACES)), np.zeros(len(HOLLOWS))
+    pressure, cavity = np.zeros((6, POINTS)), np.zeros(len(HOLLOWS))
     along_lines(flat, *view, XI, pressure, cavity)
     best = min(_timed(lambda: along_lines(flat, *view, XI, pressure, cavity)) for _ in range(200))
     assert best < 100e-6
@@ -100,7 +100,7 @@ def _timed(call) -> float:
 def test_the_message_says_its_layout_and_comes_back():
     message = next(m for m in run("step", "duration=0.02") if m.topic == "lines")
     back = decode(encode(message.message), "lines")
-    assert back.places == PLACES
+    assert back.places == POINTS
     assert back.pressure.tolist() == message.message.pressure.tolist()
     text = described("hydrotwin_msgs/msg/LineProfile")
     assert all(name in text for name in (*HOLLOWS[:9], "[Pa]", "[m^3]", "places"))

@@ -1,11 +1,24 @@
 """The data acquisition card."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from twin.sensors import Card, acquire, convert, noise_block
+from twin.sensors import Card, acquire, card_of, convert, noise_block
 
-CARD = Card(12.0, 0.3, 1.0, 250e5, 0.5, 5e-6, True, True, True)
+DAQ = SimpleNamespace(
+    bits=12.0,
+    noise=0.5,
+    skew=5e-6,
+    quantise=True,
+    clip=True,
+    tachometer=True,
+    position_range=0.3,
+    velocity_range=1.0,
+    pressure_range=250e5,
+)
+CARD = card_of(DAQ)
 PERFECT = CARD._replace(noise=0.0, skew=0.0, quantise=False, clip=False)
 STEP = 50e-6
 
@@ -32,7 +45,8 @@ def test_channels_are_read_one_after_the_other():
 
 
 def test_without_a_tachometer_there_is_one_channel_less():
-    read = scan(PERFECT._replace(skew=5e-6, tachometer=False), before=[0.0] * 5, at=[1.0] * 5)
+    bare = card_of(SimpleNamespace(**vars(DAQ) | {"tachometer": False}))
+    read = scan(PERFECT._replace(skew=5e-6, fitted=bare.fitted), before=[0.0] * 5, at=[1.0] * 5)
     assert np.isnan(read[1])
     assert read[[0, 2, 3, 4]] == pytest.approx(1.0 - np.array([15, 10, 5, 0]) * 1e-6 / STEP)
 

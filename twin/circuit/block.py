@@ -10,51 +10,51 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit.state import (
+    ENDS_AT,
     MEMORY_AT,
     State,
     ends_of,
     flatten,
     load,
+    place_of,
     store,
     unflatten,
 )
-from twin.circuit.step import (
-    BACK_5,
-    LOWER,
-    PUMP,
-    TEE_1,
-    TEE_2,
-    UPPER,
-    A,
-    B,
-    Circuit,
-    Core,
-    Ends,
-    P,
-    Parts,
-    T,
-    seal_force,
-    step_once,
-)
+from twin.circuit.step import PUMP, TEE_2, Circuit, Core, Ends, Parts, seal_force, step_once
 from twin.cylinder import chamber_cavities
 from twin.kernel import INTERPRETED, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
 from twin.load import carried_mass
-from twin.topology import LINES, OBSERVED
+from twin.topology import CHAMBERS, CHANNELS, END_OF, ENDS, FLOWS, LINES, OBSERVED, PLACES, PORTS, cavity
+
+HELD = {  # observed quantities that a flat state holds, and where
+    "position": place_of("piston.position"),
+    "velocity": place_of("piston.velocity"),
+    "spool": place_of("spool.position"),
+    **{place.pressure: ENDS_AT + END_OF[name] for name, place in PLACES.items()},
+    "flow_pump": ENDS_AT + len(ENDS) + PUMP,
+    "flow_relief": place_of("relief.flow"),
+    "relief_pilot": place_of("relief.state.pilot_lift"),
+    "relief_spool": place_of("relief.state.spool_lift"),
+    "oil_pumped": place_of("ledger.pumped"),
+    "oil_relieved": place_of("ledger.relieved"),
+    "oil_returned": place_of("ledger.returned"),
+}
 
 
-class Taps(NamedTuple):
-    """What the card's channels touch: true values, SI."""
-
-    position: float
-    velocity: float
-    p1: float  # relief valve's inlet
-    p2: float  # lower chamber
-    p3: float  # upper chamber
+def _seen(*names: str) -> NDArray[np.int64]:
+    """Where observed quantities stand among all."""
+    return np.array([list(OBSERVED).index(name) for name in names])
 
 
-PRESSURES = (PUMP, TEE_1, P, A, LOWER, UPPER, B, T, BACK_5)
-CAVITIES = (PUMP, TEE_1, P, A, B, T, BACK_5)
+HELD_AT, HELD_SEEN = np.array(list(HELD.values())), _seen(*HELD)
+TAPPED = _seen(*(channel.reads for channel in CHANNELS.values()))
+ALL_HELD = all(channel.reads in HELD for channel in CHANNELS.values())
+PORT_ENDS, PORTS_SEEN = np.array([END_OF[place] for place in PORTS]), _seen(*map(cavity, PORTS))
+FLOWS_SEEN = _seen(*FLOWS)
+CAVITY_LOWER, CAVITY_UPPER = map(int, _seen(*map(cavity, CHAMBERS)))
+CAVITY_TEE, CAVITY_LINES = map(int, _seen(cavity("tee"), cavity("lines")))
+MASS, FRICTION, OIL_STORED = map(int, _seen("mass", "friction", "oil_stored"))
 
 
 class Compiled(NamedTuple):
@@ -87,66 +87,74 @@ def compiled(circuit: Circuit) -> Compiled:
     return Compiled(record(circuit.parts), *packed(circuit.lines))
 
 
-@inlined
-def _tap(s, ends, row) -> None:
-    row[0], row[1] = s.piston.position, s.piston.velocity
-    row[2], row[3], row[4] = ends.pressure[TEE_1], ends.pressure[LOWER], ends.pressure[UPPER]
+def buffers() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What `run_block` fills: taps, shape (2, channels), and the observed quantities."""
+    return np.zeros((2, len(CHANNELS))), np.zeros(len(OBSERVED))
 
 
 @kernel
 def run_block(state, reference: float, parts, whole, numbers, steps: int, taps, seen) -> None:
     """Advance a flat state in place by `steps` under a constant spool reference.
 
-    parts, whole, numbers: of `Compiled`. taps: shape (2, 5), filled with the Taps a step before the end and at the end.
-    seen: filled with the OBSERVED quantities at the end.
+    parts, whole, numbers: of `Compiled`. taps, seen: of `buffers`; filled with what the CHANNELS touch, a step before
+    the end and at the end, and with the OBSERVED quantities at the end.
     """
     c, lines, s, ends, memory = parts[0], unpacked(whole, numbers), load(state), ends_of(state), state[MEMORY_AT:]
-    _tap(s, ends, taps[1])
     for i in range(steps):
         if i == steps - 1:
-            _tap(s, ends, taps[0])
+            store(s, state)
+            if ALL_HELD:
+                _held(state, seen)
+            else:
+                observe(state, s, ends, memory, c, lines, seen)
+            _tap(seen, taps[0])
         s = step_once(s, reference, c, lines, ends, memory)
-    _tap(s, ends, taps[1])
     store(s, state)
-    observe(s, ends, memory, c, lines, seen)
+    observe(state, s, ends, memory, c, lines, seen)
+    _tap(seen, taps[1])
 
 
 @inlined
-def observe(s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> None:
-    """Fill `out` with the OBSERVED quantities."""
-    out[0], out[1], out[2] = s.piston.position, s.piston.velocity, s.spool.position
-    for i in range(9):
-        out[3 + i] = ends.pressure[PRESSURES[i]]
+def _tap(seen, row) -> None:
+    for j in range(len(TAPPED)):
+        row[j] = seen[TAPPED[j]]
+
+
+@inlined
+def _held(state, out) -> None:
+    for i in range(len(HELD_AT)):
+        out[HELD_SEEN[i]] = state[HELD_AT[i]]
+
+
+@inlined
+def observe(state, s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> None:
+    """Fill `out` with the OBSERVED quantities of a flat state; s, ends, memory: what it holds."""
+    _held(state, out)
     hollow = chamber_cavities(s.chambers, s.piston.position, c.cylinder)
-    out[12], out[13] = hollow.lower, hollow.upper
+    out[CAVITY_LOWER], out[CAVITY_UPPER] = hollow.lower, hollow.upper
     inner, total = 0.0, s.chambers.lower + s.chambers.upper + c.line_volume
     for line in range(LINES):
-        out[14 + line] = 0.5 * (ends.flow[2 * line] - ends.flow[2 * line + 1])
+        out[FLOWS_SEEN[line]] = 0.5 * (ends.flow[2 * line] - ends.flow[2 * line + 1])
         inner += inner_cavity(lines, memory, line)
         total += ends.oil[line]
-    out[20], out[21] = ends.flow[PUMP], s.relief.flow
-    out[22], out[23] = s.relief.state.pilot_lift, s.relief.state.spool_lift
-    out[24], out[25] = carried_mass(s.weight, c.load), seal_force(s, ends, c)
-    for i in range(7):
-        out[26 + i] = ends.cavity[CAVITIES[i]]
-    out[27] += ends.cavity[TEE_2]
-    for end in range(12):
+    out[MASS], out[FRICTION] = carried_mass(s.weight, c.load), seal_force(s, ends, c)
+    for i in range(len(PORT_ENDS)):
+        out[PORTS_SEEN[i]] = ends.cavity[PORT_ENDS[i]]
+    out[CAVITY_TEE] += ends.cavity[TEE_2]
+    for end in range(2 * LINES):
         total -= ends.cavity[end]
-    out[33] = inner
-    out[34] = total
-    for i in range(3):
-        out[35 + i] = s.ledger[i]
+    out[CAVITY_LINES], out[OIL_STORED] = inner, total
 
 
 def advance(state: State, reference: float, circuit: Circuit, steps: int) -> State:
     """The state `steps` steps later under a constant spool reference (-1..1)."""
     flat = flatten(state)
-    run_block(flat, reference, *compiled(circuit), steps, np.zeros((2, 5)), np.zeros(len(OBSERVED)))
+    run_block(flat, reference, *compiled(circuit), steps, *buffers())
     return unflatten(flat)
 
 
 def observed(state: State, circuit: Circuit) -> dict[str, float]:
     """The OBSERVED quantities of a state, by name."""
-    seen = np.zeros(len(OBSERVED))
-    run_block(flatten(state), 0.0, *compiled(circuit), 0, np.zeros((2, 5)), seen)
+    taps, seen = buffers()
+    run_block(flatten(state), 0.0, *compiled(circuit), 0, taps, seen)
     return dict(zip(OBSERVED, seen.tolist(), strict=True))

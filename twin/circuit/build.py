@@ -20,6 +20,7 @@ from twin.rig import Values, values
 from twin.seal import Seal, seal
 from twin.spool_valve import SpoolValve, step_matrix
 from twin.switching_valve import SwitchingValve
+from twin.topology import PIPES
 
 Entries = Mapping[str, Any]
 BOTTOMLESS = -1e12  # [Pa], vapour pressure of oil that bears any tension
@@ -27,7 +28,7 @@ BOTTOMLESS = -1e12  # [Pa], vapour pressure of oil that bears any tension
 
 def build(rig: Values, step: float) -> Circuit:
     """The circuit of a rig at an internal step [s]. Raises ValueError where the step is too coarse for a part."""
-    oil, pipes = _oil(rig), [rig[f"pipe_{number}"] for number in range(1, 7)]
+    oil, pipes = _oil(rig), [rig[name] for name in PIPES]
     parts = Parts(
         step=step,
         fitted=Fitted(float(rig["relief"]["kind"] != "none"), float(rig["valve"]["kind"] == "switching")),

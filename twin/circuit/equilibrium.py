@@ -26,6 +26,7 @@ from twin.port import joined
 from twin.pump import pumped_oil, speed_ratio
 from twin.relief.motion import begin
 from twin.relief.steady import rest, steady_flow
+from twin.topology import ENDS, LINES, PLACES
 
 TIGHT = 1e-14  # [m^3/s]
 HIGHEST = 1e10  # [Pa]
@@ -120,17 +121,19 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
 def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circuit) -> State:
     """The state in which these pressures [Pa] and flows [m^3/s] have been steady; no cavities."""
     parts, lines = circuit.parts, circuit.lines
-    pressure = np.array([p.pump, p.tee, p.tee, p.p, p.a, p.lower, p.b, p.upper, p.t, p.back, p.back, 0.0])
+    at = dict(zip(PLACES, p, strict=True))
+    pressure = np.array([at.get(end, 0.0) for end in ENDS])
     pressure[TEE_2] -= fitting_resistance(q.line_2, parts.fitting) * q.line_2
     memory, through = np.zeros(memory_size(lines)), np.array(q)
     settle(lines, memory, pressure, through)
-    flow = np.repeat(through, 2) * np.tile([1.0, -1.0], 6)
-    ends = Ends(pressure, flow, np.zeros(12), np.zeros(12), np.zeros(12), _line_oil(pressure, circuit))
+    flow = np.repeat(through, 2) * np.tile([1.0, -1.0], LINES)
+    cavity, free, impedance = np.zeros((3, len(ENDS)))
+    ends = Ends(pressure, flow, cavity, free, impedance, _line_oil(pressure, circuit))
     return _with_tee(State(_core(p, q.line_1 - q.line_2, piston, spool, circuit), ends, memory), circuit)
 
 
 def _line_oil(pressure: np.ndarray, circuit: Circuit) -> np.ndarray:
-    return circuit.lines.capacity * pressure.reshape(6, 2).mean(axis=1)
+    return circuit.lines.capacity * pressure.reshape(LINES, 2).mean(axis=1)
 
 
 def _core(p: Pressures, relieved: float, piston: Piston, spool: Spool, circuit: Circuit) -> Core:
@@ -143,7 +146,7 @@ def _core(p: Pressures, relieved: float, piston: Piston, spool: Spool, circuit: 
 
 def _with_tee(state: State, circuit: Circuit) -> State:
     """What the relief valve has met: the port of the tee at this instant."""
-    free, impedance = np.zeros(12), np.zeros(12)
+    free, impedance = np.zeros((2, len(ENDS)))
     oncoming(circuit.lines, state.memory.copy(), 1, free, impedance)
     series = fitting_resistance(state.ends.flow[TEE_2], circuit.parts.fitting)
     port = joined(free[TEE_1], impedance[TEE_1], free[TEE_2], impedance[TEE_2] + series)

@@ -11,14 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
-from twin.circuit.block import compiled, run_block
-from twin.circuit.state import ENDS_AT, State, flatten
-from twin.circuit.step import TEE_1, Circuit
+from twin.circuit.block import HELD, buffers, compiled, run_block
+from twin.circuit.state import State, flatten, place_of
+from twin.circuit.step import Circuit
 from twin.relief.network import Relief
-from twin.topology import OBSERVED
 
 Array = NDArray[np.float64]
-PILOT_SPEED, SPOOL_SPEED, RELIEF_FLOW = 11, 13, 17  # places in a flat state
+SHAKEN = (  # places in a flat state
+    HELD["relief_pilot"],
+    place_of("relief.state.pilot_velocity"),
+    place_of("relief.state.spool_velocity"),
+    HELD["p1"],
+    HELD["flow_relief"],
+)
 RESOLUTION, BAND = 4.0, 10e3  # [Hz], the source's analyser
 
 
@@ -35,14 +40,12 @@ class Shaken(NamedTuple):
 
 def shake(state: State, circuit: Circuit, seconds: float, settle: float = 0.0) -> Shaken:
     """The rig with its directional valve at rest, from a state; the first `settle` seconds are not kept."""
-    plant, flat = compiled(circuit), flatten(state)
-    taps, seen, step = np.zeros((2, 5)), np.zeros(len(OBSERVED)), circuit.parts.step
-    run_block(flat, 0.0, *plant, round(settle / step), taps, seen)
-    rows = np.empty((round(seconds / step), 5))
-    places = [PILOT_SPEED - 1, PILOT_SPEED, SPOOL_SPEED, ENDS_AT + TEE_1, RELIEF_FLOW]
+    plant, flat, into, step = compiled(circuit), flatten(state), buffers(), circuit.parts.step
+    run_block(flat, 0.0, *plant, round(settle / step), *into)
+    rows = np.empty((round(seconds / step), len(SHAKEN)))
     for row in rows:
-        run_block(flat, 0.0, *plant, 1, taps, seen)
-        row[:] = flat[places]
+        run_block(flat, 0.0, *plant, 1, *into)
+        row[:] = flat[list(SHAKEN)]
     return Shaken(step, *rows.T)
 
 

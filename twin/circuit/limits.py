@@ -8,6 +8,7 @@ import numpy as np
 from twin.circuit.step import Circuit
 from twin.cylinder import Chambers, chamber_volumes
 from twin.seal import least_mass
+from twin.topology import PIPES
 
 FOLLOWED = 0.5  # omega h up to which the leapfrog keeps a frequency within (omega h)^2/24 = 1 %
 STEPS_PER_TRAVEL = 8.0  # of a line, for its stated accuracy
@@ -27,8 +28,8 @@ def limits(circuit: Circuit) -> list[Limit]:
     """One or more for each part that has a time of its own. Stages of the relief valve have substeps of their own."""
     parts, stiffest = circuit.parts, stiffest_oil_spring(circuit)
     found = [
-        Limit(f"pipe_{number + 1}", "wave travel time", float(time), float(time) / STEPS_PER_TRAVEL)
-        for number, time in enumerate(circuit.lines.travel_time)
+        Limit(pipe, "wave travel time", float(time), float(time) / STEPS_PER_TRAVEL)
+        for pipe, time in zip(PIPES, circuit.lines.travel_time, strict=True)
     ]
     found.append(_oscillator("load", "on the oil shut in, stiffest place", stiffest, parts.load.mass))
     if parts.load.added > 0.0:

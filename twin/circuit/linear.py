@@ -46,6 +46,7 @@ from twin.orifice import flow_slopes
 from twin.pump import pumped_oil
 from twin.relief.steady import steady_slope as relief_slope
 from twin.spool_valve import opening
+from twin.topology import CHANNELS, LINES, PLACES
 
 if TYPE_CHECKING:
     from control import StateSpace
@@ -53,7 +54,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 INPUTS = ("spool_reference", "force")
-TAPS = {"position": "position", "velocity": "velocity", "p1": "p_tee", "p2": "p_lower", "p3": "p_upper"}
+STATE_OF = {"position": "position", "velocity": "velocity", "spool": "spool"} | {  # of observed quantities
+    place.pressure: state for place, state in zip(PLACES.values(), STATES, strict=False)
+}
+TAPS = {name: STATE_OF[channel.reads] for name, channel in CHANNELS.items() if channel.reads in STATE_OF}
 LANDS = {"+": ((P, A), (B, T)), "-": ((P, B), (A, T))}
 UNKNOWN = [*range(X), V]  # what a moving point is solved for
 
@@ -119,7 +123,7 @@ def moving_point(circuit: Circuit, position: float, spool: float, viscous: float
     if abs(spool) <= circuit.parts.valve.overlap:
         raise ValueError(f"spool {spool} lies inside the overlap, +-{circuit.parts.valve.overlap}; take it further out")
     pressure_guess = _edge_pressures(circuit, "+" if spool > 0.0 else "-")
-    full = np.array([*pressure_guess, *[0.0] * 6, position, math.copysign(0.01, spool), spool, 0.0])
+    full = np.array([*pressure_guess, *[0.0] * LINES, position, math.copysign(0.01, spool), spool, 0.0])
     column, row = _scales(circuit)
 
     def place(unknown: Array) -> Array:
@@ -234,7 +238,7 @@ def _scales(circuit: Circuit) -> tuple[Array, Array]:
     """Sizes of the unknowns, and of their rates, that bring a moving point's equations to order one."""
     inertances, mass = circuit.lines.inertance, circuit.parts.load.mass
     row = np.array([*(1e4 * _capacities(np.zeros(len(STATES)), circuit)), *(1e-5 * inertances), 1e-3 * mass])
-    return np.array([1e5] * 9 + [1e-4] * 6 + [0.1]), row
+    return np.array([1e5] * FLOW + [1e-4] * LINES + [0.1]), row
 
 
 def _refuse_cavity(p: Pressures, circuit: Circuit) -> None:

@@ -1,16 +1,17 @@
-"""What stands along the lines at an instant: pressures at evenly spaced places, and where there is a cavity."""
+"""What stands along the lines at an instant: pressures at evenly spaced points, and where there is a cavity."""
 
 import numpy as np
 
-from twin.circuit.block import CAVITIES
+from twin.circuit.block import PORT_ENDS
 from twin.circuit.state import MEMORY_AT, ends_of, load
 from twin.cylinder import chamber_cavities
 from twin.kernel import kernel
 from twin.lines.bank import inner_cavity, profile, unpacked
-from twin.topology import LINES, PLACES
+from twin.topology import CHAMBERS, LINES, POINTS, PORTS
 
-XI = np.linspace(0.0, 1.0, PLACES)
+XI = np.linspace(0.0, 1.0, POINTS)
 XI.flags.writeable = False
+PORTS_AT, LINES_AT = len(CHAMBERS), len(CHAMBERS) + len(PORTS)  # in HOLLOWS
 
 
 @kernel
@@ -19,8 +20,8 @@ def along_lines(state, parts, whole, numbers, xi, pressure, cavity) -> None:
     lines, s, ends, memory = unpacked(whole, numbers), load(state), ends_of(state), state[MEMORY_AT:]
     hollow = chamber_cavities(s.chambers, s.piston.position, parts[0].cylinder)
     cavity[0], cavity[1] = hollow.lower, hollow.upper
-    for i in range(7):
-        cavity[2 + i] = ends.cavity[CAVITIES[i]]
+    for i in range(len(PORT_ENDS)):
+        cavity[PORTS_AT + i] = ends.cavity[PORT_ENDS[i]]
     for line in range(LINES):
         profile(lines, memory, int(s.tick), line, xi, pressure[line])
-        cavity[9 + line] = inner_cavity(lines, memory, line)
+        cavity[LINES_AT + line] = inner_cavity(lines, memory, line)

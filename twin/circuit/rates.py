@@ -19,6 +19,7 @@ from twin.lines.bank import steady_drop, unpacked
 from twin.orifice import flow
 from twin.pump import pumped_oil
 from twin.relief.steady import steady_flow
+from twin.topology import LINES, PIPES, PLACES
 
 STATES = (
     *(f"p_{place}" for place in Pressures._fields),
@@ -29,9 +30,10 @@ STATES = (
     "spool_velocity",
 )
 Array = NDArray[np.float64]
-PUMP, TEE, P, A, LOWER, UPPER, B, T, BACK = range(9)
-FLOW, X, V, S, S_RATE = 9, 15, 16, 17, 18
-LINE_ENDS = ((PUMP, TEE), (TEE, P), (A, LOWER), (B, UPPER), (T, BACK), (BACK, -1))  # -1: the tank
+PUMP, TEE, P, A, LOWER, UPPER, B, T, BACK = range(len(PLACES))
+FLOW = len(PLACES)
+X, V, S, S_RATE = range(FLOW + LINES, len(STATES))
+LINE_ENDS = tuple(tuple([*PLACES].index(end) if end in PLACES else -1 for end in pipe) for pipe in PIPES.values())
 
 
 def vector_rates(
@@ -50,7 +52,7 @@ def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> No
     """Fill `out` with the rates of a vector of STATES; parts, whole, numbers: of `Compiled`."""
     c, lines = parts[0], unpacked(whole, numbers)
     _inflows(y, c, out)
-    for line in range(6):
+    for line in range(LINES):
         first, second = LINE_ENDS[line]
         out[first] -= y[FLOW + line]
         drop = y[first]
@@ -63,7 +65,7 @@ def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> No
     b, cylinder = c.oil.bulk_modulus, c.cylinder
     out[LOWER] -= cylinder.area_lower * (1.0 + y[LOWER] / b) * y[V]
     out[UPPER] += cylinder.area_upper * (1.0 + y[UPPER] / b) * y[V]
-    for place in range(9):
+    for place in range(FLOW):
         out[place] /= _capacity(place, y[X], c, lines)
     out[X] = y[V]
     force = cylinder.area_lower * y[LOWER] - cylinder.area_upper * y[UPPER] + c.load.force
@@ -88,8 +90,8 @@ def _inflows(y, c, out) -> None:
 
 @kernel
 def capacities(position: float, parts, whole, numbers, out) -> None:
-    """Fill `out` with the oil per pressure [m^3/Pa] at the nine places, the piston at a position [m]."""
-    for place in range(9):
+    """Fill `out` with the oil per pressure [m^3/Pa] at the PLACES, the piston at a position [m]."""
+    for place in range(FLOW):
         out[place] = _capacity(place, position, parts[0], unpacked(whole, numbers))
 
 
@@ -97,7 +99,7 @@ def capacities(position: float, parts, whole, numbers, out) -> None:
 def _capacity(place: int, position: float, c, lines) -> float:
     """Oil per pressure [m^3/Pa] at a place: half of each line that ends there, and its chamber."""
     total = 0.0
-    for line in range(6):
+    for line in range(LINES):
         if LINE_ENDS[line][0] == place or LINE_ENDS[line][1] == place:
             total += 0.5 * lines.capacity[line]
     volume = chamber_volumes(position, c.cylinder)

@@ -4,49 +4,38 @@ core | pressure | flow | cavity | free | impedance (12 each) | oil of the lines 
 """
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.circuit.step import (
-    BACK_5,
-    LOWER,
-    PUMP,
-    TEE_1,
-    UPPER,
-    A,
-    B,
-    Core,
-    Ends,
-    Ledger,
-    P,
-    Piston,
-    Spool,
-    T,
-)
+from twin.circuit.step import Core, Ends, Ledger, Piston, Spool
 from twin.cylinder import Chambers
 from twin.kernel import inlined
 from twin.load import Weight
 from twin.relief.motion import Motion, ReliefState
+from twin.topology import END_OF, ENDS, LINES
 
-CORE = 23
-ENDS_AT, LINES_AT, MEMORY_AT = CORE, CORE + 60, CORE + 66
-PLACES = {  # where each of the nine pressures is: its line end
-    "pump": PUMP,
-    "tee": TEE_1,
-    "p": P,
-    "a": A,
-    "lower": LOWER,
-    "upper": UPPER,
-    "b": B,
-    "t": T,
-    "back": BACK_5,
-}
+
+def _names(kind: type, prefix: str = "") -> Iterator[str]:
+    """The numbers of a nested NamedTuple in order, as "piston.position"."""
+    for name, entry in get_type_hints(kind).items():
+        yield from [prefix + name] if entry is float else _names(entry, f"{prefix}{name}.")
+
+
+CORE = tuple(_names(Core))
+ENDS_AT = len(CORE)
+LINES_AT = ENDS_AT + 5 * len(ENDS)
+MEMORY_AT = LINES_AT + LINES
+
+
+def place_of(name: str) -> int:
+    """Where a number of the core stands in a flat state, as "piston.position"."""
+    return CORE.index(name)
 
 
 class Pressures(NamedTuple):
-    """Gauge pressures [Pa] at the nine places where components and line ends meet."""
+    """Gauge pressures [Pa] where components and line ends meet, in the order of PLACES."""
 
     pump: float
     tee: float
@@ -95,14 +84,14 @@ class State(NamedTuple):
 
 
 def pressures(state: State) -> Pressures:
-    """The nine pressures [Pa]."""
-    return Pressures(*(float(state.ends.pressure[end]) for end in PLACES.values()))
+    """The pressures [Pa] at the PLACES."""
+    return Pressures(*(float(state.ends.pressure[end]) for end in END_OF.values()))
 
 
 def flows(state: State) -> Flows:
     """The six flows [m^3/s]."""
     into = state.ends.flow
-    return Flows(*(0.5 * float(into[2 * line] - into[2 * line + 1]) for line in range(6)))
+    return Flows(*(0.5 * float(into[2 * line] - into[2 * line + 1]) for line in range(LINES)))
 
 
 def oil_in(state: State) -> float:
@@ -126,7 +115,8 @@ def _numbers(part: Any) -> Iterator[float]:
 def unflatten(array: NDArray[np.float64]) -> State:
     """The state back from its numbers; a copy."""
     kept = array.copy()
-    return State(load(kept), Ends(*np.split(kept[ENDS_AT:MEMORY_AT], range(12, 61, 12))), kept[MEMORY_AT:])
+    ends = kept[ENDS_AT:LINES_AT].reshape(-1, len(ENDS))
+    return State(load(kept), Ends(*ends, kept[LINES_AT:MEMORY_AT]), kept[MEMORY_AT:])
 
 
 @inlined
@@ -163,8 +153,12 @@ def store(s: Core, a) -> None:
 @inlined
 def ends_of(a) -> Ends:
     """The line ends of a flat state, as views of it."""
-    e = ENDS_AT
+    e, n = ENDS_AT, 2 * LINES
     return Ends(
-        a[e : e + 12], a[e + 12 : e + 24], a[e + 24 : e + 36], a[e + 36 : e + 48], a[e + 48 : e + 60],
+        a[e : e + n],
+        a[e + n : e + 2 * n],
+        a[e + 2 * n : e + 3 * n],
+        a[e + 3 * n : e + 4 * n],
+        a[e + 4 * n : e + 5 * n],
         a[LINES_AT:MEMORY_AT],
-    )  # fmt: skip
+    )

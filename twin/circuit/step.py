@@ -30,9 +30,9 @@ from twin.relief.valve import Relief, go_on
 from twin.seal import Seal, friction, friction_limit, slide
 from twin.spool_valve import SpoolValve, closed_centre_lands, move_spool
 from twin.switching_valve import SwitchingValve, switch_spool, tandem_lands
-from twin.topology import LINES
+from twin.topology import ENDS, LINES
 
-PUMP, TEE_1, TEE_2, P, A, LOWER, B, UPPER, T, BACK_5, BACK_6, TANK = range(12)  # line i has ends 2 i - 2 and 2 i - 1
+PUMP, TEE_1, TEE_2, P, A, LOWER, B, UPPER, T, BACK_5, BACK_6, TANK = range(len(ENDS))
 
 
 class Fitted(NamedTuple):

@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 
 from bridge.drawing.canvas import Array
 from bridge.scenario.model import Daq
-from twin.circuit.block import compiled, run_block
+from twin.circuit.block import buffers, compiled, run_block
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten
 from twin.circuit.step import Circuit
 from twin.rig import RIG, values
-from twin.sensors import Card, acquire, noise_block
-from twin.topology import OBSERVED
+from twin.sensors import Card, acquire, card_of, noise_block
+from twin.topology import CHANNELS
 
 LOADS = (165.0, 213.0, 243.0, 299.0, 334.0)  # [kg], 2.3
 BEYOND = (0.002, 0.005, 0.008, 0.011, 0.016, 0.02, 0.025, 0.03, 0.04, 0.05, 0.065)  # the overlap; share of the travel
@@ -43,7 +43,8 @@ SPREAD = 0.01  # largest standard deviation of a constant speed, share of its me
 REST = 1e-5  # [m/s], slower is at rest
 STEADY, UNSTEADY, RESTING, OUT_OF_RANGE = 0.0, 1.0, 2.0, 3.0  # what a run shows; only the first tells the friction
 LEAST_PRESSURE = 0.1e5  # [Pa], less is the end of a transducer's range: the card reads no vacuum
-CARD = Card(**{name: getattr(Daq.model_validate({}), name) for name in Card._fields})
+CARD = card_of(Daq())
+POSITION, VELOCITY, LOWER, UPPER = ([*CHANNELS].index(name) for name in ("position", "velocity", "p2", "p3"))
 SEED = 24
 
 
@@ -88,7 +89,8 @@ def bench(line: float, mass: float) -> Circuit:
 def window_of(reference: float, direction: float, circuit: Circuit) -> NDArray[np.float64]:
     """Taps (sample, 2, channel) in the first steady window at a spool reference, or in the last one."""
     plant, state = compiled(circuit), flatten(equilibrium(circuit, START[direction]))
-    taps, seen = np.empty((SAMPLES, 2, 5)), np.empty(len(OBSERVED))
+    tap, seen = buffers()
+    taps = np.stack([tap] * SAMPLES)
     run_block(state, reference, *plant, SETTLING, taps[0], seen)
     for _ in range(WINDOWS):
         for sample in taps:
@@ -100,7 +102,7 @@ def window_of(reference: float, direction: float, circuit: Circuit) -> NDArray[n
 
 def verdict(taps: NDArray[np.float64]) -> float:
     """What a window shows, by the true speed."""
-    speed = taps[:, 1, 1]
+    speed = taps[:, 1, VELOCITY]
     if abs(speed.mean()) < REST:
         return RESTING
     return STEADY if speed.std() <= SPREAD * abs(speed.mean()) else UNSTEADY
@@ -122,7 +124,7 @@ def scan(taps: NDArray[np.float64], card: Card | None, block: int) -> NDArray[np
     """What the card reads in a window: sample, channel. block: of the noise; card None: the true values."""
     if card is None:
         return taps[:, 1]
-    out = np.empty((len(taps), 5))
+    out = np.empty((len(taps), len(CHANNELS)))
     for sample, noise, row in zip(taps, noise_block(SEED, block), out, strict=False):
         acquire(sample, noise, card, STEP, row)
     return out
@@ -131,14 +133,14 @@ def scan(taps: NDArray[np.float64], card: Card | None, block: int) -> NDArray[np
 def read(run: SpeedRun, card: Card | None, block: int) -> tuple[float, ...]:
     """A row of Readings."""
     samples = scan(run.taps, card, block)
-    speed = np.polyfit(np.arange(SAMPLES) * SAMPLE * STEP, samples[:, 0], 1)[0]
-    lower, upper = samples[:, 3:].mean(axis=0)
+    speed = np.polyfit(np.arange(SAMPLES) * SAMPLE * STEP, samples[:, POSITION], 1)[0]
+    lower, upper = samples[:, [LOWER, UPPER]].mean(axis=0)
     cylinder, load = run.circuit.parts.cylinder, run.circuit.parts.load
     force = cylinder.area_lower * lower - cylinder.area_upper * upper - load.mass * load.gravity
     shown = verdict(run.taps)
     if card is not None and shown == STEADY and upper < LEAST_PRESSURE:
         shown = OUT_OF_RANGE
-    return run.line, run.mass, run.reference, speed, run.taps[:, 1, 1].std(), lower, upper, force, shown
+    return run.line, run.mass, run.reference, speed, run.taps[:, 1, VELOCITY].std(), lower, upper, force, shown
 
 
 @cache

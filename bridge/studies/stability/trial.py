@@ -11,18 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.loop.acquisition import Acquisition
-from bridge.loop.controller import ControllerSide
+from bridge.loop.controller import ControllerSide, sample_of
 from bridge.loop.inlet import SAFE
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from controller.grid import NS, Sampling, is_sample
 from controller.hold import Hold
-from controller.law import Sample
 from twin.circuit.block import Compiled, compiled, run_block
-from twin.topology import OBSERVED
+from twin.topology import CHANNELS, OBSERVED
 
 ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
 DENSEST = 5_000_000  # [ns], between rows of a trace where samples are no closer
+
+WATCHED = [list(OBSERVED).index(name) for name in ("position", "spool")]  # of a trace, beside its time
 
 Array = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ def trial(scenario: Scenario, on: Stand) -> Trace:
     for row in range(len(rows)):
         begin = row * span
         loop.sample(begin, row * ticks)
-        rows[row] = begin / NS, loop.seen[0], loop.seen[2]
+        rows[row] = begin / NS, *loop.seen[WATCHED]
         if row + 1 < len(rows):
             loop.run(begin, begin + span)
     return Trace(*rows.T)
@@ -84,7 +85,8 @@ class _Loop:
         """Read the card and put the answer into the hold, if this is a sampling instant."""
         if not is_sample(now, self.grid):
             return
-        spool, _ = self.controller.decide(Sample(now, *self.acquisition.read(tick).tolist()))
+        reading = dict(zip(CHANNELS, self.acquisition.read(tick).tolist(), strict=True))
+        spool, _ = self.controller.decide(sample_of(now, reading))
         self.hold.put(now + self.grid.delay, spool)
 
     def run(self, begin: int, end: int) -> None:

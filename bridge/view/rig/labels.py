@@ -5,20 +5,22 @@ from typing import Any
 import numpy as np
 
 from bridge.drawing.colours import LEGEND, pressure_colours
+from bridge.view.rig.routes import Points
 from bridge.view.rig.stage import (
     CAVITY_SCALE,
     LIFT_SCALE,
     PUMP,
     RELIEF_AT,
     TANK,
-    TEE,
     UP,
     VALVE,
     Stage,
 )
+from twin.topology import CHAMBERS, TAPS
 
 PAPER, INK = (236, 240, 246), (190, 198, 208)
 FRONT, ASIDE = np.array([0.0, -0.03, -0.03]), np.array([0.14, -0.03, 0.03])
+OFFSET: dict[str, Points] = dict.fromkeys(CHAMBERS, ASIDE)  # of a tap's label
 LEGEND_X, LEGEND_LOW, BARS = -0.62, 0.25, 60  # [m], [m], colours; a metre high
 
 
@@ -34,9 +36,9 @@ def _taps(stream: Any, stage: Stage) -> None:
     """Points beside the taps: what they read follows."""
     import rerun as rr
 
-    places = {"p1": TEE + FRONT, "p2": stage.ports["lower"] + ASIDE, "p3": stage.ports["upper"] + ASIDE}
-    for tap, place in places.items():
-        point = rr.Points3D([place], radii=0.001, colors=[PAPER], show_labels=True)
+    for tap, place in TAPS.items():
+        at = stage.ports[place] + OFFSET.get(place, FRONT)
+        point = rr.Points3D([at], radii=0.001, colors=[PAPER], show_labels=True)
         stream.log(f"rig/taps/{tap}", point, static=True)
 
 

@@ -18,9 +18,9 @@ from bridge.view.rig.stage import (
     ball_radius,
 )
 from bridge.view.timeline import time_column
+from twin.topology import CHANNELS, PRESSURES
 
 INSIDE = 0.94  # oil within its barrel, of the diameter
-TAPS = {"p1": "p1", "p2": "p_lower", "p3": "p_upper"}
 SPILL = 0.01 * 6e4  # [m] of arrow for a flow over the relief valve: 10 mm a l/min
 
 
@@ -99,9 +99,9 @@ def _move_cavities(stream: Any, time: list[Any], stage: Stage, frames: Frames) -
 
 
 def _move_taps(stream: Any, time: list[Any], frames: Frames) -> None:
-    """The three taps with their pressures in words."""
+    """The taps with their pressures in words."""
     import rerun as rr
 
-    for tap, field in TAPS.items():
-        words = [f"{tap}  {value / 1e5:.1f} bar" for value in frames.state[field].tolist()]
+    for tap in PRESSURES:
+        words = [f"{tap}  {value / 1e5:.1f} bar" for value in frames.state[CHANNELS[tap].reads].tolist()]
         stream.send_columns(f"rig/taps/{tap}", time, rr.Points3D.columns(labels=words))

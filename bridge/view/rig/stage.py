@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.recording.shown import place_words
 from bridge.view.rig.routes import Points, route, segments
-from twin.topology import PLACES
+from twin.topology import PIPES, POINTS, PORTS
 
 STEEL = 7850.0  # [kg/m^3]
 PLATE = 0.36  # [m], side of the load's plates
@@ -29,6 +30,7 @@ VALVE, PUMP, TEE, BACK, TANK = (  # [m]
     np.array([2.30, 0.0, 0.30]),
 )
 UP, DOWN, RIGHT = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
+DETOURS = (UP, UP, DOWN, UP, DOWN, DOWN)  # of the pipes
 RELIEF_AT = TEE + 0.13 * RIGHT + 0.05 * UP
 
 
@@ -68,7 +70,7 @@ def stage(values: dict[str, dict[str, Any]]) -> Stage:
     added = load["added"] / (STEEL * PLATE**2)
     pipes, ports = _pipes(values, bore, stroke)
     middles = [np.concatenate(pipe.pieces)[len(np.concatenate(pipe.pieces)) // 2] for pipe in pipes]
-    at = [pipes[0].pieces[0][0], TEE, ports["p"], ports["a"], ports["b"], ports["t"], BACK]
+    at = [pipes[0].pieces[0][0], *(ports[place] for place in PORTS[1:])]
     chamber = np.array([0.0, 0.0, BARREL_AT])
     return Stage(
         bore=bore,
@@ -88,6 +90,10 @@ def _pipes(values: dict[str, dict[str, Any]], bore: float, stroke: float) -> tup
     side = np.array([0.5 * bore, 0.0, 0.0])
     lower, upper = side + (BARREL_AT + 0.01) * UP, side + (BARREL_AT + stroke + PISTON - 0.01) * UP
     ports = {
+        "pump": PUMP,
+        "tee": TEE,
+        "return": BACK,
+        "tank": TANK,
         "p": VALVE + 0.06 * RIGHT + 0.05 * UP,
         "t": VALVE + 0.06 * RIGHT + 0.05 * DOWN,
         "a": VALVE - 0.06 * RIGHT + 0.05 * DOWN,
@@ -95,21 +101,14 @@ def _pipes(values: dict[str, dict[str, Any]], bore: float, stroke: float) -> tup
         "lower": lower,
         "upper": upper,
     }
-    ways = (
-        (PUMP, TEE, UP),
-        (TEE, ports["p"], UP),
-        (ports["a"], lower, DOWN),
-        (ports["b"], upper, UP),
-        (ports["t"], BACK, DOWN),
-        (BACK, TANK, DOWN),
-    )
-    return tuple(_pipe(values[f"pipe_{i + 1}"], *way) for i, way in enumerate(ways)), ports
+    ways = zip(PIPES.items(), DETOURS, strict=True)
+    return tuple(_pipe(values[n], ports[pipe.first], ports[pipe.second], detour) for (n, pipe), detour in ways), ports
 
 
 def _pipe(pipe: dict[str, Any], start: Points, end: Points, detour: Points) -> Pipe:
     way = route(start, end, pipe["length"], detour)
     hose = pipe["young"] < 1e10
-    return Pipe(pipe["length"], 0.5 * pipe["diameter"] + pipe["wall"], hose, segments(way, PLACES - 1))
+    return Pipe(pipe["length"], 0.5 * pipe["diameter"] + pipe["wall"], hose, segments(way, POINTS - 1))
 
 
 def ball_radius(volume: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -117,11 +116,4 @@ def ball_radius(volume: NDArray[np.float64]) -> NDArray[np.float64]:
     return CAVITY_SCALE * np.cbrt(3.0 * np.maximum(volume, 0.0) / (4.0 * math.pi))
 
 
-LINE_ENDS = (
-    ("pump", "tee, p1"),
-    ("tee, p1", "valve, P"),
-    ("valve, A", "lower chamber, p2"),
-    ("valve, B", "upper chamber, p3"),
-    ("valve, T", "return tee"),
-    ("return tee", "tank"),
-)
+LINE_ENDS = tuple((place_words(pipe.first), place_words(pipe.second)) for pipe in PIPES.values())

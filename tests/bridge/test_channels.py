@@ -1,0 +1,34 @@
+"""One row of the table of channels is a channel from the card to the recording."""
+
+import pytest
+
+from bridge.scenario.model import Daq
+from bridge.scenario.units import UNITS
+from bridge.wire.codec import Measurement
+from bridge.wire.messages import TOPICS, field_names
+from controller.law import Sample
+from twin.sensors import card_of
+from twin.topology import CHANNELS, PRESSURES
+
+
+@pytest.mark.parametrize("name", CHANNELS)
+def test_a_channel_has_a_range_in_the_scenario_in_its_own_unit(name):
+    channel = CHANNELS[name]
+    described = Daq.model_json_schema()["properties"][channel.span]
+    assert f"units: {', '.join(filter(None, UNITS[channel.unit]))}" in str(described)
+    assert not channel.switch or isinstance(getattr(Daq(), channel.switch), bool)
+
+
+def test_channels_are_the_readings_of_a_measurement_in_order():
+    head = ["run_id", "sequence", "tick", "stamp"]
+    assert field_names(TOPICS["measurement"].type) == [*head, *CHANNELS]
+    assert Measurement(**dict.fromkeys((*head, *CHANNELS), 0)).stamp == 0
+    assert {f"pressure/{tap}" for tap in PRESSURES} == {topic for topic in TOPICS if topic.startswith("pressure/")}
+    assert set(Sample._fields) <= {"stamp_ns", *CHANNELS}
+
+
+def test_a_card_has_the_ranges_of_the_scenario():
+    card = card_of(Daq(position_range=0.2, pressure_range=100e5, velocity_range=2.0, tachometer=False))
+    assert card.low.tolist() == [0.0, -2.0, 0.0, 0.0, 0.0]
+    assert card.high.tolist() == [0.2, 2.0, 100e5, 100e5, 100e5]
+    assert card.fitted.tolist() == [True, False, True, True, True]
