@@ -15,6 +15,28 @@ STOPS = (  # [bar], red, green, blue
     (100.0, 204, 36, 44),
 )
 LEGEND = (0.0, 20.0, 40.0, 60.0, 80.0, 100.0)  # [bar], where a bar of colours has its marks
+LIGHT = {  # of curves on paper
+    "blue": "#2a6fbb",
+    "orange": "#e08a1e",
+    "red": "#c8413b",
+    "green": "#3a9150",
+    "grey": "#8a8f98",
+    "violet": "#8a5cc2",
+    "pale blue": "#8fb4dc",
+    "pale orange": "#efc48a",
+    "yellow": "#b5a642",
+}
+DARK = {  # of curves in the view
+    "blue": (76, 146, 230),
+    "orange": (240, 150, 50),
+    "red": (225, 85, 85),
+    "green": (95, 185, 110),
+    "grey": (150, 150, 150),
+    "violet": (180, 120, 230),
+    "pale blue": (60, 90, 130),
+    "pale orange": (130, 95, 50),
+    "yellow": (200, 200, 120),
+}
 CAVITY = (255, 90, 255)
 UNKNOWN = (24, 28, 36)  # no pressure, NaN: the background
 

@@ -7,11 +7,11 @@ from bridge.recording.signals import Signal
 from bridge.report.subject import Run
 from bridge.scenario.bands import (
     METRICS,
-    SHOWN,
     SIGNALS,
     value_with_unit,
 )
 from bridge.scenario.describe import values_of
+from bridge.scenario.units import shown
 
 
 def signal_differences(run: Run, other: Run) -> list[Difference]:
@@ -26,19 +26,19 @@ def _signal(run: Run, name: str) -> Signal:
 
 
 def _shown(found: Difference) -> Difference:
-    factor, unit = SHOWN.get(found.unit, (1.0, found.unit))
+    factor, unit = shown(found.unit)
     return found._replace(unit=unit, greatest=found.greatest * factor, rms=found.rms * factor)
 
 
 def metric_rows(runs: list[Run]) -> list[tuple[str, ...]]:
     """Metric, and what each run came to; of two runs also by how much they differ."""
     rows = []
-    for name, shown in METRICS.items():
+    for name, metric in METRICS.items():
         values = [run.summary.get("metrics", {}).get(name) for run in runs]
         if all(value is None for value in values):
             continue
         apart = [_apart(name, *values)] if len(values) == 2 else []
-        rows.append((shown.words, *(value_with_unit(name, value) for value in values), *apart))
+        rows.append((metric.words, *(value_with_unit(name, value) for value in values), *apart))
     return rows
 
 

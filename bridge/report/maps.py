@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from bridge.drawing.colours import STOPS
-from bridge.report.charts import BLUE, ORANGE, RUNS, canvas
+from bridge.drawing.colours import LIGHT, STOPS
+from bridge.report.charts import RUNS, canvas
 from bridge.report.subject import Run
 from bridge.view.rig.stage import LINE_ENDS
+from twin.topology import LINES, PIPES
 
 MOST_COLUMNS = 1200
 EDGES = np.logspace(-1, 5, 91)  # [us]
@@ -19,10 +20,10 @@ def draw_maps(run: Run) -> Any:
     from matplotlib.cm import ScalarMappable
 
     time, pressure = run.along()
-    figure, axes = canvas(6, 1.05)
+    figure, axes = canvas(LINES, 1.05)
     values, norm, colours = run.scenario.rig_values(), *_scale()
-    for pipe, axis in enumerate(axes):
-        length = values[f"pipe_{pipe + 1}"]["length"]
+    for pipe, (name, axis) in enumerate(zip(PIPES, axes, strict=True)):
+        length = values[name]["length"]
         step = max(1, -(-len(time) // MOST_COLUMNS))
         extent = (time[0], time[-1], 0.0, length)
         axis.imshow(
@@ -31,7 +32,7 @@ def draw_maps(run: Run) -> Any:
         axis.grid(visible=False)
         axis.set_ylabel(f"pipe {pipe + 1} [m]", fontsize=8)
         axis.set_title(f"{LINE_ENDS[pipe][0]} (0 m) to {LINE_ENDS[pipe][1]} ({length:g} m)", fontsize=8, loc="left")
-        if pipe < 5:
+        if axis is not axes[-1]:
             axis.tick_params(labelbottom=False)
     axes[-1].set_xlabel("time [s]", fontsize=9)
     bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, fraction=0.025, pad=0.01)
@@ -59,8 +60,10 @@ def draw_timing(runs: Sequence[Run], names: Sequence[str]) -> Any:
     for (timing, name), colour in zip(timings, RUNS, strict=False):
         trips = timing["round_trip"][timing["round_trip"] > 0]
         lead = "" if single else f"{name}: "
-        _histogram(axis, timing["lateness"], f"{lead}lateness of the ticks", BLUE if single else colour, "-")
-        _histogram(axis, trips, f"{lead}measurement to command", ORANGE if single else colour, "-" if single else "--")
+        _histogram(axis, timing["lateness"], f"{lead}lateness of the ticks", LIGHT["blue"] if single else colour, "-")
+        _histogram(
+            axis, trips, f"{lead}measurement to command", LIGHT["orange"] if single else colour, "-" if single else "--"
+        )
     axis.set(xscale="log", yscale="log")
     axis.set_xlabel("wall time [us]", fontsize=9)
     axis.set_ylabel("ticks", fontsize=9)

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from bridge.drawing.colours import LIGHT
 from bridge.drawing.html import text
-from bridge.report.charts import BLUE, GREY, RED, RUNS, canvas
+from bridge.report.charts import RUNS, canvas
 from bridge.report.subject import Run
 from bridge.studies.stability.operating import edge_curves, left_out, operating_point, sentences
 
@@ -28,10 +29,10 @@ def draw_stability(runs: list[Run], points: list[dict[str, Any] | None]) -> Any:
     intervals, edges = edge_curves(known[0][0].scenario)
     figure, (axis,) = canvas(1, 2.8)
     top = 1.25 * max(float(np.max(edges)), *(point["gain"] for _, point in known))
-    axis.fill_between(intervals * 1e3, 0.0, edges[:, 0], color=BLUE, alpha=0.12, linewidth=0.0)
-    axis.fill_between(intervals * 1e3, edges[:, 0], edges[:, 1], color=GREY, alpha=0.25, linewidth=0.0)
-    axis.plot(intervals * 1e3, edges[:, 0], color=BLUE, linewidth=1.2, label="stable below")
-    axis.plot(intervals * 1e3, edges[:, 1], color=RED, linewidth=1.2, label="unstable above")
+    axis.fill_between(intervals * 1e3, 0.0, edges[:, 0], color=LIGHT["blue"], alpha=0.12, linewidth=0.0)
+    axis.fill_between(intervals * 1e3, edges[:, 0], edges[:, 1], color=LIGHT["grey"], alpha=0.25, linewidth=0.0)
+    axis.plot(intervals * 1e3, edges[:, 0], color=LIGHT["blue"], linewidth=1.2, label="stable below")
+    axis.plot(intervals * 1e3, edges[:, 1], color=LIGHT["red"], linewidth=1.2, label="unstable above")
     for (run, point), colour in zip(known, RUNS * len(known), strict=False):
         place = point["sample_period"] * 1e3, point["gain"]
         axis.plot(*place, "o", color=colour, markeredgecolor="white", markersize=8, label=run.name)

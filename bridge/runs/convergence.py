@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from bridge.recording.reader import read
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import Scenario
-from bridge.scenario.bands import SHOWN, SIGNALS
+from bridge.scenario.bands import SIGNALS
+from bridge.scenario.units import shown
 from twin.topology import OBSERVED
 
 QUIET = {"noise": 0.0, "quantise": False}  # a card's counts would hide the plant's error
@@ -30,7 +31,7 @@ class Row(NamedTuple):
 
     def words(self) -> tuple[str, str, str, str]:
         """As people read it."""
-        factor, unit = SHOWN.get(SIGNALS[self.signal], (1.0, SIGNALS[self.signal]))
+        factor, unit = shown(SIGNALS[self.signal])
         order = f"{self.order:.2f}" if math.isfinite(self.order) else "-"
         return self.signal, f"{self.rms * factor:.3g} {unit}", f"{self.greatest * factor:.3g} {unit}", order
 

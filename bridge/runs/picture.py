@@ -2,16 +2,20 @@
 time also how late the ticks were.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from bridge.drawing.colours import LIGHT
 from bridge.recording.columns import reference_at, relief_moved, vapour
 from bridge.recording.reader import Recording
+from bridge.recording.shown import GROUPS, MEASURED
 from bridge.scenario import Scenario
 from controller.grid import NS
 
+Row = Callable[[Any, Any, Any, Scenario], None]  # axis, time, state, scenario
 MOST_POINTS = 20_000
 LEAST_VAPOUR = 1e-8  # [m^3], less is no cavity to look at
 
@@ -25,7 +29,7 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
     thin = slice(None, None, max(1, len(state["stamp"]) // MOST_POINTS))
     timing = recording.columns("timing")
     happened = ((_relief, relief_moved(state)), (_vapour, vapour(state).max() > LEAST_VAPOUR))
-    rows = [_position, _pressures, _valve, *(row for row, shown in happened if shown)]
+    rows = [_position, _pressures, *map(_measured, MEASURED), _valve, *(row for row, shown in happened if shown)]
     state = {name: values[thin] for name, values in state.items()}
     heights = [HEIGHTS.get(row, 2.4) for row in rows] + [2.4] * bool(len(timing["tick"]))
     figure = Figure(figsize=(10, sum(heights)), dpi=120, layout="constrained")
@@ -49,37 +53,46 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
 def _position(axis: Any, time: Any, state: Any, scenario: Scenario) -> None:
     reference = reference_at(time, scenario)
     if np.isfinite(reference).any():
-        axis.plot(time, reference * 1e3, color="0.4", linestyle="--", linewidth=1.2, label="reference")
-    axis.plot(time, state["position"] * 1e3, color="C0", label="piston")
-    axis.set_ylabel("position [mm]")
-    axis.legend(loc="best", fontsize="small")
+        scale = GROUPS["position"].scale
+        axis.plot(time, reference * scale, color="0.4", linestyle="--", linewidth=1.2, label="reference")
+    _curves(axis, time, state, "position")
 
 
 def _pressures(axis: Any, time: Any, state: Any, _: Scenario) -> None:
-    labels = {"p1": "p1 relief valve", "p_lower": "p2 lower chamber", "p_upper": "p3 upper chamber"}
-    for name, label in labels.items():
-        axis.plot(time, state[name] / 1e5, linewidth=1.0, label=label)
-    axis.set_ylabel("pressure [bar]")
+    _curves(axis, time, state, "pressure")
+
+
+def _measured(name: str) -> Row:
+    return lambda axis, time, state, _: _curves(axis, time, state, name)
+
+
+def _curves(axis: Any, time: Any, state: Any, name: str) -> None:
+    """The signals of a group."""
+    group = GROUPS[name]
+    for curve in group.curves:
+        style = "steps-post" if curve.held else "default"
+        values = state[curve.field] * group.scale
+        axis.plot(time, values, color=LIGHT[curve.colour], linewidth=1.0, label=curve.label, drawstyle=style)
+    axis.set_ylabel(group.axis)
     axis.legend(loc="best", fontsize="small", ncols=3)
 
 
 def _valve(axis: Any, time: Any, state: Any, _: Scenario) -> None:
-    axis.plot(time, state["reference"], color="0.4", linewidth=0.8, drawstyle="steps-post", label="command")
-    axis.plot(time, state["spool"], color="C3", linewidth=1.0, label="spool")
-    axis.set_ylabel("valve [of travel]")
+    _curves(axis, time, state, "valve")
     axis.set_ylim(-1.05, 1.05)
-    axis.legend(loc="best", fontsize="small", ncols=2)
 
 
 def _relief(axis: Any, time: Any, state: Any, _: Scenario) -> None:
     """Flow, and on an axis of their own the lifts of both stages."""
-    axis.fill_between(time, state["flow_relief"] * 6e4, color="C0", alpha=0.35, linewidth=0.0, label="flow")
-    axis.set_ylabel("relief [l/min]")
+    flow, lift = GROUPS["flow"], GROUPS["relief"]
+    axis.fill_between(time, state["flow_relief"] * flow.scale, color="C0", alpha=0.35, linewidth=0.0, label="flow")
+    axis.set_ylabel(f"relief [{flow.unit}]")
     axis.set_ylim(bottom=0.0)
     lifts = axis.twinx()
-    lifts.plot(time, state["relief_spool"] * 1e6, color="C0", linewidth=0.8, label="main stage")
-    lifts.plot(time, state["relief_pilot"] * 1e6, color="C1", linewidth=0.8, alpha=0.7, label="pilot")
-    lifts.set_ylabel("lift [µm]")
+    for curve in lift.curves:
+        colour = LIGHT[curve.colour]
+        lifts.plot(time, state[curve.field] * lift.scale, color=colour, linewidth=0.8, alpha=0.8, label=curve.label)
+    lifts.set_ylabel(lift.axis)
     lifts.set_ylim(bottom=0.0)
     lifts.legend(
         *map(list.__add__, axis.get_legend_handles_labels(), lifts.get_legend_handles_labels()),
@@ -90,8 +103,8 @@ def _relief(axis: Any, time: Any, state: Any, _: Scenario) -> None:
 
 
 def _vapour(axis: Any, time: Any, state: Any, _: Scenario) -> None:
-    axis.fill_between(time, vapour(state) * 1e6, color="C4", alpha=0.5, linewidth=0.0)
-    axis.set_ylabel("vapour [cm³]")
+    axis.fill_between(time, vapour(state) * GROUPS["cavities"].scale, color="C4", alpha=0.5, linewidth=0.0)
+    axis.set_ylabel(GROUPS["cavities"].axis)
     axis.set_ylim(bottom=0.0)
 
 

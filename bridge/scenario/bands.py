@@ -7,7 +7,7 @@ import re
 from typing import NamedTuple
 
 from bridge.errors import nearest
-from bridge.scenario.units import quantity
+from bridge.scenario.units import quantity, shown
 from controller.bands import END, START, STATISTICS, Band, Metrics, Moment, WindowBand
 from twin.topology import BALANCE_UNITS, OBSERVED
 
@@ -22,29 +22,22 @@ class Shown(NamedTuple):
 
 
 METRICS = {
-    "rise_time": Shown("rise time (10-90 %)", "s", 1e3, "ms"),
-    "overshoot": Shown("overshoot", "", 1e2, "%"),
-    "settling_time": Shown("settling time (2 %)", "s", 1e3, "ms"),
-    "steady_error": Shown("steady error", "m", 1e3, "mm"),
-    "rms_error": Shown("rms error", "m", 1e3, "mm"),
-    "max_error": Shown("largest error", "m", 1e3, "mm"),
-    "limit_cycle_amplitude": Shown("limit cycle amplitude", "m", 1e3, "mm"),
-    "limit_cycle_frequency": Shown("limit cycle frequency", "Hz", 1.0, "Hz"),
-    "peak_p1": Shown("peak p1", "Pa", 1e-5, "bar"),
-    "peak_p_lower": Shown("peak p_lower", "Pa", 1e-5, "bar"),
-    "peak_p_upper": Shown("peak p_upper", "Pa", 1e-5, "bar"),
-    "min_p_lower": Shown("least p_lower", "Pa", 1e-5, "bar"),
-    "min_p_upper": Shown("least p_upper", "Pa", 1e-5, "bar"),
+    "rise_time": Shown("rise time (10-90 %)", "s", *shown("s")),
+    "overshoot": Shown("overshoot", "", *shown("", "%")),
+    "settling_time": Shown("settling time (2 %)", "s", *shown("s")),
+    "steady_error": Shown("steady error", "m", *shown("m")),
+    "rms_error": Shown("rms error", "m", *shown("m")),
+    "max_error": Shown("largest error", "m", *shown("m")),
+    "limit_cycle_amplitude": Shown("limit cycle amplitude", "m", *shown("m")),
+    "limit_cycle_frequency": Shown("limit cycle frequency", "Hz", *shown("Hz")),
+    "peak_p1": Shown("peak p1", "Pa", *shown("Pa")),
+    "peak_p_lower": Shown("peak p_lower", "Pa", *shown("Pa")),
+    "peak_p_upper": Shown("peak p_upper", "Pa", *shown("Pa")),
+    "min_p_lower": Shown("least p_lower", "Pa", *shown("Pa")),
+    "min_p_upper": Shown("least p_upper", "Pa", *shown("Pa")),
     "valve_travel": Shown("valve travel", "", 1.0, "travels"),
 }
 assert set(METRICS) == set(Metrics._fields)
-SHOWN = {
-    "Pa": (1e-5, "bar"),
-    "m": (1e3, "mm"),
-    "m/s": (1e3, "mm/s"),
-    "m^3/s": (6e4, "l/min"),
-    "m^3": (1e6, "cm^3"),
-}
 SIGNALS = OBSERVED | BALANCE_UNITS
 MOMENTS = (START, END, "contact", "impact")
 _BAND = re.compile(r"\s*(.+?)\s*(<=|>=)\s*(.+?)\s*")
@@ -56,13 +49,13 @@ SMALLEST_CYCLE = 1e-9  # [m]; what the metrics call no limit cycle is exactly ze
 
 def value_with_unit(metric: str, value: float | None) -> str:
     """A metric as people read it."""
-    shown = METRICS[metric]
-    return "-" if value is None or value != value else f"{value * shown.factor:.4g} {shown.shown_unit}"
+    metric_shown = METRICS[metric]
+    return "-" if value is None or value != value else f"{value * metric_shown.factor:.4g} {metric_shown.shown_unit}"
 
 
 def signal_with_unit(signal: str, value: float) -> str:
     """A statistic of a signal as people read it."""
-    factor, unit = SHOWN.get(SIGNALS[signal], (1.0, SIGNALS[signal]))
+    factor, unit = shown(SIGNALS[signal])
     return "-" if value != value else f"{value * factor:.4g} {unit}".rstrip()
 
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.model import Scenario
-from bridge.scenario.units import UNITS
+from bridge.scenario.units import SHOWN, UNITS
 from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.step import Circuit
@@ -22,15 +22,6 @@ PICTURE = """\
                                            +-------+
   tank <--6-- return tee <--5------------- T --'
 """
-SHOWN = {
-    "Pa": "bar",
-    "m": "mm",
-    "m^3/s": "l/min",
-    "m^3": "cm^3",
-    "s": "ms",
-    "Pa s/m^3": "bar/(l/min)",
-    "rad": "deg",
-}
 WIDE = {"length": "m", "young": "GPa", "speed": "rpm", "efficiency_speed": "rpm"}  # and where another unit reads better
 
 
@@ -70,7 +61,7 @@ def _text(name: str, value: Any, entry: Entry) -> str:
 
 
 def _with_unit(value: float, unit: str, name: str) -> str:
-    shown = WIDE.get(name) or SHOWN.get(unit, unit)
+    shown = WIDE.get(name) or (unit if unit == "m/s" else SHOWN.get(unit, unit))
     if shown not in UNITS[unit] or not math.isfinite(value):
         shown = unit
     return f"{(value - UNITS[unit][shown].offset) / UNITS[unit][shown].factor:.6g} {shown}".rstrip()

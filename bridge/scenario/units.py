@@ -45,6 +45,24 @@ _NUMBER = re.compile(
 )
 
 
+SHOWN = {  # SI: what people read
+    "Pa": "bar",
+    "m": "mm",
+    "m/s": "mm/s",
+    "m^3/s": "l/min",
+    "m^3": "cm^3",
+    "s": "ms",
+    "Pa s/m^3": "bar/(l/min)",
+    "rad": "deg",
+}
+
+
+def shown(unit: str, other: str = "") -> tuple[float, str]:
+    """Factor from SI to the unit that people read, and that unit; `other`: another one than in SHOWN."""
+    name = other or SHOWN.get(unit, unit)
+    return 1.0 / UNITS[unit][name].factor if unit in UNITS else 1.0, name
+
+
 def split(text: str) -> tuple[float, str]:
     """The number and the unit of a text such as "2.5 ms". Raises ValueError when there is no number."""
     match = _NUMBER.fullmatch(text)

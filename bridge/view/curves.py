@@ -5,22 +5,34 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.drawing.colours import DARK
 from bridge.recording.reader import Recording
+from bridge.recording.shown import GROUPS, MEASURED, tap_words
+from twin.topology import PRESSURES
 
-BAR, MM, US, PER_MINUTE, UM, CM3, PLAIN = 1e-5, 1e3, 1e-3, 6e4, 1e6, 1e6, 1.0
-PICTURES = {
-    "position_mm": "position [mm]",
-    "pressure_bar": "pressure [bar]: p1 at the relief valve, p2 lower chamber, p3 upper chamber",
-    "valve": "valve [of full travel]",
-    "flow_l_min": "flow [l/min]",
+US = 1e-3  # from [ns]
+PICTURES = {  # in the viewer: its title
+    "position_mm": GROUPS["position"].axis,
+    "pressure_bar": f"{GROUPS['pressure'].axis}: {', '.join(map(tap_words, PRESSURES))}",
+    **{name: GROUPS[name].axis for name in MEASURED},
+    "valve": GROUPS["valve"].axis,
+    "flow_l_min": GROUPS["flow"].axis,
     "wall_time_us": "wall time [us]",
-    "relief_um": "relief lifts [um]",
-    "cavity_cm3": "cavities [cm^3]",
+    "relief_um": f"relief valve: {GROUPS['relief'].axis}",
+    "cavity_cm3": GROUPS["cavities"].axis,
     "measured_bar": "measured [bar]",
-    "places_bar": "all places [bar]",
+    "places_bar": GROUPS["places"].axis,
 }
-BLUE, ORANGE, RED, GREY = (76, 146, 230), (240, 150, 50), (225, 85, 85), (150, 150, 150)
-PALE_BLUE, PALE_ORANGE, GREEN, VIOLET = (60, 90, 130), (130, 95, 50), (95, 185, 110), (180, 120, 230)
+TRUE = {  # group: picture, width of its curves [points]
+    "position": ("position_mm", 2.0),
+    "pressure": ("pressure_bar", 1.5),
+    **{name: (name, 1.5) for name in MEASURED},
+    "valve": ("valve", 1.5),
+    "flow": ("flow_l_min", 1.5),
+    "relief": ("relief_um", 1.5),
+    "cavities": ("cavity_cm3", 1.5),
+    "places": ("places_bar", 1.0),
+}
 LIVE = {  # what the axes hold before anybody knows
     "position_mm": (-10.0, 280.0),
     "pressure_bar": (-5.0, 85.0),
@@ -50,52 +62,49 @@ class Curve(NamedTuple):
         return f"{self.picture}/{self.name}"
 
 
+def _true(group: str) -> list[Curve]:
+    """The curves of a group; what is held or delivered stays thin in the background."""
+    picture, width = TRUE[group]
+    return [
+        Curve(
+            picture,
+            curve.name,
+            curve.label,
+            "state",
+            curve.field,
+            GROUPS[group].scale,
+            DARK[curve.colour],
+            min(width, 1.0) if curve.colour == "grey" else width,
+            curve.held,
+        )
+        for curve in GROUPS[group].curves
+    ]
+
+
+def _measured(tap: str) -> Curve:
+    """What the card read at a tap, in the colour of what stood there."""
+    pressure = GROUPS["pressure"]
+    colour = next(curve.colour for curve in pressure.curves if curve.label == tap_words(tap))
+    return Curve("measured_bar", tap, tap, "measurement", tap, pressure.scale, DARK[colour], 1.0)
+
+
+_REFERENCE = Curve(
+    "position_mm",
+    "reference",
+    "reference",
+    "reference",
+    "position",
+    GROUPS["position"].scale,
+    DARK["grey"],
+    1.5,
+    held=True,
+)
 CURVES = (
-    Curve("position_mm", "reference", "reference", "reference", "position", MM, GREY, 1.5, held=True),
-    Curve("position_mm", "piston", "piston", "state", "position", MM, BLUE, 2.0),
-    Curve("measured_bar", "p2", "p2", "measurement", "p2", BAR, BLUE, 1.0),
-    Curve("measured_bar", "p3", "p3", "measurement", "p3", BAR, ORANGE, 1.0),
-    Curve("measured_bar", "p1", "p1", "measurement", "p1", BAR, RED, 1.0),
-    Curve("pressure_bar", "p1", "p1", "state", "p1", BAR, RED, 1.5),
-    Curve("pressure_bar", "p_lower", "p2", "state", "p_lower", BAR, BLUE, 1.5),
-    Curve("pressure_bar", "p_upper", "p3", "state", "p_upper", BAR, ORANGE, 1.5),
-    Curve("valve", "command", "command", "state", "reference", PLAIN, GREY, 1.0, held=True),
-    Curve("valve", "spool", "spool", "state", "spool", PLAIN, RED, 1.5),
-    Curve("flow_l_min", "pump", "pump", "state", "flow_pump", PER_MINUTE, GREY, 1.0),
-    Curve("flow_l_min", "relief", "relief valve", "state", "flow_relief", PER_MINUTE, RED, 1.5),
-    Curve("flow_l_min", "lower", "to the lower chamber", "state", "flow_3", PER_MINUTE, BLUE, 1.5),
-    Curve("flow_l_min", "upper", "to the upper chamber", "state", "flow_4", PER_MINUTE, ORANGE, 1.5),
-    Curve("relief_um", "spool", "main spool", "state", "relief_spool", UM, BLUE, 1.5),
-    Curve("relief_um", "pilot", "pilot poppet", "state", "relief_pilot", UM, RED, 1.5),
-    *(
-        Curve("cavity_cm3", name, words, "state", f"cavity_{name}", CM3, colour, 1.5)
-        for name, words, colour in (
-            ("lower", "lower chamber", BLUE),
-            ("upper", "upper chamber", ORANGE),
-            ("a", "port A", PALE_BLUE),
-            ("b", "port B", PALE_ORANGE),
-            ("t", "port T", GREEN),
-            ("return", "return tee", GREY),
-            ("tee", "tee of the relief valve", RED),
-            ("lines", "inside the lines", VIOLET),
-        )
-    ),
-    *(
-        Curve("places_bar", name, words, "state", name, BAR, colour, 1.0)
-        for name, words, colour in (
-            ("p_pump", "pump", GREY),
-            ("p1", "tee, p1", RED),
-            ("p_p", "port P", VIOLET),
-            ("p_a", "port A", PALE_BLUE),
-            ("p_lower", "lower chamber, p2", BLUE),
-            ("p_b", "port B", PALE_ORANGE),
-            ("p_upper", "upper chamber, p3", ORANGE),
-            ("p_t", "port T", GREEN),
-            ("p_return", "return tee", (200, 200, 120)),
-        )
-    ),
-    Curve("wall_time_us", "lateness", "lateness of the tick", "timing", "lateness", US, GREEN, 1.0),
-    Curve("wall_time_us", "round_trip", "measurement to command", "timing", "round_trip", US, ORANGE, 1.0),
+    _REFERENCE,
+    *map(_measured, PRESSURES),
+    *(curve for group in TRUE for curve in _true(group)),
+    Curve("wall_time_us", "lateness", "lateness of the tick", "timing", "lateness", US, DARK["green"], 1.0),
+    Curve("wall_time_us", "round_trip", "measurement to command", "timing", "round_trip", US, DARK["orange"], 1.0),
 )
 
 

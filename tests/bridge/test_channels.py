@@ -2,8 +2,12 @@
 
 import pytest
 
+from bridge.drawing.colours import DARK, LIGHT
+from bridge.recording.shown import GROUPS
+from bridge.report.charts import CHARTS
 from bridge.scenario.model import Daq
 from bridge.scenario.units import UNITS
+from bridge.view.curves import CURVES
 from bridge.wire.codec import Measurement
 from bridge.wire.messages import TOPICS, field_names
 from controller.law import Sample
@@ -32,3 +36,20 @@ def test_a_card_has_the_ranges_of_the_scenario():
     assert card.low.tolist() == [0.0, -2.0, 0.0, 0.0, 0.0]
     assert card.high.tolist() == [0.2, 2.0, 100e5, 100e5, 100e5]
     assert card.fitted.tolist() == [True, False, True, True, True]
+
+
+@pytest.mark.parametrize("name", [name for name in CHANNELS if name != "velocity"])
+def test_what_a_channel_reads_is_drawn_in_report_and_view_in_one_unit_and_with_one_label(name):
+    field = CHANNELS[name].reads
+    charts = {curve.field: (chart.group, curve) for chart in CHARTS for curve in chart.group.curves}
+    group, drawn = charts[field]
+    seen = [curve for curve in CURVES if (curve.topic, curve.field) == ("state", field)]
+    assert all(curve.scale == group.scale for curve in seen)
+    assert drawn.label in [curve.label for curve in seen]
+    assert group.unit in group.axis
+    assert group.scale == pytest.approx(1.0 / UNITS[CHANNELS[name].unit][group.unit].factor, rel=1e-15)
+
+
+def test_every_colour_of_a_curve_is_in_both_palettes():
+    assert {curve.colour for group in GROUPS.values() for curve in group.curves} <= set(LIGHT)
+    assert set(LIGHT) == set(DARK)
