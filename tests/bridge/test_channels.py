@@ -5,6 +5,7 @@ import pytest
 from bridge.drawing.colours import DARK, LIGHT
 from bridge.recording.shown import GROUPS
 from bridge.report.charts import CHARTS
+from bridge.scenario.fields import Measured
 from bridge.scenario.model import Daq
 from bridge.scenario.units import UNITS
 from bridge.view.curves import CURVES
@@ -18,8 +19,8 @@ from twin.topology import CHANNELS, PRESSURES
 @pytest.mark.parametrize("name", CHANNELS)
 def test_a_channel_has_a_range_in_the_scenario_in_its_own_unit(name):
     channel = CHANNELS[name]
-    described = Daq.model_json_schema()["properties"][channel.span]
-    assert f"units: {', '.join(filter(None, UNITS[channel.unit]))}" in str(described)
+    stated = Daq.model_fields[channel.span].metadata
+    assert [entry.unit for entry in stated if isinstance(entry, Measured)] == [channel.unit]
     assert not channel.switch or isinstance(getattr(Daq(), channel.switch), bool)
 
 
