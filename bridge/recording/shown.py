@@ -35,7 +35,7 @@ class Group(NamedTuple):
     @property
     def axis(self) -> str:
         """What the axis says, with its unit."""
-        return f"{self.what} [{self.unit}]"
+        return f"{self.what} [{self.unit.replace('^3', '³')}]"
 
 
 def place_words(place: str) -> str:
