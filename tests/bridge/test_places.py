@@ -66,9 +66,9 @@ def test_a_result_that_cannot_be_written_is_printed_all_the_same(here: Path, ver
 
 def test_a_recording_that_cannot_be_begun_names_the_way_out(here: Path):
     (here / "runs").touch()
-    done = hydrotwin("run", "step", "--mode", "inprocess", *SHORT)
+    done = hydrotwin("run", "step", "--mode", "inprocess", *SHORT, "--record", "runs/a.mcap")
     assert done.exit_code == 1
-    assert "--record FILE" in done.stdout
+    assert "runs/a.mcap: Not a directory; record elsewhere: --record FILE" in done.stdout
 
 
 def test_an_earlier_recording_is_not_taken_for_the_one_that_was_refused(here: Path, monkeypatch: pytest.MonkeyPatch):
