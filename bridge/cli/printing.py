@@ -11,6 +11,8 @@ from bridge.cli.tables import plain_text, print_table
 
 if TYPE_CHECKING:
     from bridge.recording.compare import Difference
+    from bridge.recording.info import EventInfo, RecordingInfo
+    from bridge.recording.summary import Summary
     from bridge.runs.check import CheckResult
     from bridge.runs.run import Outcome
 
@@ -19,14 +21,14 @@ def print_summary(outcome: "Outcome") -> None:
     """The summary of a run."""
     summary = outcome.summary
     console = Console()
-    if "ending" in summary:
-        words = plain_text(f" {summary['mode']}: {summary['ending']}")
-        console.print(plain_text(summary["scenario"], "bold") + words, soft_wrap=True)
-        print_table(("control", ""), _metric_rows(summary["metrics"]))
-        print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary["timing"]))
-        for line in [*_stability(summary), *_counts(summary)]:
+    if summary is not None:
+        words = plain_text(f" {outcome.options.mode}: {summary.ending}")
+        console.print(plain_text(summary.scenario, "bold") + words, soft_wrap=True)
+        print_table(("control", ""), _metric_rows(summary))
+        print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary))
+        for line in [*_stability(outcome), *_counts(summary)]:
             console.print(plain_text(line), soft_wrap=True)
-    for note in summary["notes"]:
+    for note in outcome.notes:
         console.print(plain_text(note, "yellow"), soft_wrap=True)
     for fault in outcome.faults:
         console.print(plain_text(fault, "red"), soft_wrap=True)
@@ -36,44 +38,37 @@ def print_summary(outcome: "Outcome") -> None:
         console.print(plain_text(f"picture    {outcome.picture}"), soft_wrap=True)
 
 
-def _metric_rows(metrics: dict[str, float | None]) -> list[tuple[str, str]]:
+def _metric_rows(summary: "Summary") -> list[tuple[str, str]]:
     from bridge.scenario.bands import METRICS, value_with_unit
 
+    metrics = summary.metrics._asdict() if summary.metrics else {}
     return [(METRICS[name].words, value_with_unit(name, value)) for name, value in metrics.items()]
 
 
-def _timing_rows(timing: dict[str, Any]) -> list[list[str]]:
-    rows = []
-    for key, words in (("lateness", "lateness of the ticks"), ("round_trip", "measurement to command")):
-        spread = timing.get(key) or {}
-        if spread:
-            rows.append([words, *(f"{value * 1e6:.1f} us" for value in spread.values())])
-    return rows
+def _timing_rows(summary: "Summary") -> list[list[str]]:
+    shown = summary.timing.shown() if summary.timing else []
+    return [[words, *(f"{value * 1e6:.1f} us" for value in spread)] for words, spread in shown]
 
 
-def _stability(summary: dict[str, Any]) -> list[str]:
+def _stability(outcome: "Outcome") -> list[str]:
     """Where the run stands among the stable gains."""
-    found = summary.get("stability")
-    if not found:
+    if outcome.stability is None:
         return []
     from bridge.studies.stability.operating import sentences
 
-    return [f"{word:11}{line}" for word, line in zip(("gain", ""), sentences(found), strict=True)]
+    return [f"{word:11}{line}" for word, line in zip(("gain", ""), sentences(outcome.stability), strict=True)]
 
 
-def _counts(summary: dict[str, Any]) -> Iterable[str]:
-    commands = summary["commands"]
-    overruns = summary["timing"].get("overruns")
-    if overruns:
-        yield (
-            f"overruns   {overruns['count']}, longest {overruns['worst'] * 1e3:.2f} ms, "
-            f"most ticks caught up {overruns['burst']}"
-        )
-    refused = ", ".join(f"{count} {reason}" for reason, count in commands["refused"].items()) or "none"
-    worst = f" (worst {commands['worst_lateness'] * 1e3:.2f} ms)" if commands["late"] else ""
-    lost = ", ".join(f"{count} {topic}" for topic, count in summary["lost"].items()) or "none"
-    yield f"commands   {commands['sent']} sent, {commands['late']} late{worst}; refused: {refused}"
-    yield f"lost       {lost}; safe states: {summary['safe_states']}"
+def _counts(summary: "Summary") -> Iterable[str]:
+    if overruns := summary.timing and summary.timing.overruns:
+        burst = f"most ticks caught up {overruns.burst}"
+        yield f"overruns   {overruns.number}, longest {overruns.worst * 1e3:.2f} ms, {burst}"
+    if commands := summary.commands:
+        refused = ", ".join(f"{count} {reason}" for reason, count in commands.refused.items()) or "none"
+        worst = f" (worst {commands.worst_lateness * 1e3:.2f} ms)" if commands.late else ""
+        yield f"commands   {commands.sent} sent, {commands.late} late{worst}; refused: {refused}"
+    lost = ", ".join(f"{count} {topic}" for topic, count in summary.lost.items()) or "none"
+    yield f"lost       {lost}; safe states: {summary.safe_states}"
 
 
 def print_checks(results: "list[CheckResult]") -> None:
@@ -122,47 +117,48 @@ def _row(d: "Difference") -> tuple[str | Text, ...]:
 EVENTS = 20  # events that are shown; --json gives all
 
 
-def print_info(found: dict[str, Any]) -> None:
+def print_info(found: "RecordingInfo") -> None:
     """Facts, channels, events, metrics."""
     from bridge.recording.info import plain
 
     console = Console(soft_wrap=True, highlight=False)
-    size = "" if found["size"] is None else f", {found['size'] / 1e6:.2f} MB"
-    console.print(plain_text(found["file"], "bold") + plain_text(size))
-    for problem in found["problems"]:
+    size = "" if found.size is None else f", {found.size / 1e6:.2f} MB"
+    console.print(plain_text(found.file, "bold") + plain_text(size))
+    for problem in found.problems:
         console.print(plain_text(problem, "red"))
     print_table(("", ""), [(name, plain(value)) for name, value in _facts(found)])
     print_table(("channel", "type", "messages", "from", "to", "rate", "gaps", "longest", "lost"), _channels(found))
-    _print_events(console, found["events"])
-    if found["metrics"]:
-        print_table(("metric", ""), _metric_rows(found["metrics"]))
+    _print_events(console, found.events)
+    if found.summary and found.summary.metrics:
+        print_table(("metric", ""), _metric_rows(found.summary))
 
 
-def _facts(found: dict[str, Any]) -> list[tuple[str, Any]]:
+def _facts(found: "RecordingInfo") -> list[tuple[str, Any]]:
     names = ("ending", "scenario", "title", "rig", "mode", "speed", "recorded", "run_id", "lost", "host", "versions")
-    own = [(f"{name}.{key}", value) for name, values in found["metadata"].items() for key, value in values.items()]
-    return [(name, found[name]) for name in names if found.get(name) not in (None, "", {})] + own
+    own = [(f"{name}.{key}", value) for name, values in found.metadata.items() for key, value in values.items()]
+    known = found.plain()
+    return [(name, known[name]) for name in names if known.get(name) not in (None, "", {})] + own
 
 
-def _channels(found: dict[str, Any]) -> list[tuple[str, ...]]:
+def _channels(found: "RecordingInfo") -> list[tuple[str, ...]]:
     return [
         (
-            c["topic"],
-            c["type"].rpartition("/")[2],
-            str(c["messages"]),
-            f"{c['first']:.3f} s",
-            f"{c['last']:.3f} s",
-            "-" if c["rate"] is None else f"{c['rate']:.6g} /s",
-            str(c["gaps"]),
-            "-" if c["longest"] is None else f"{c['longest'] * 1e3:.6g} ms",
-            str(c["lost"]),
+            c.topic,
+            c.type.rpartition("/")[2],
+            str(c.messages),
+            f"{c.first:.3f} s",
+            f"{c.last:.3f} s",
+            "-" if c.rate is None else f"{c.rate:.6g} /s",
+            str(c.gaps),
+            "-" if c.longest is None else f"{c.longest * 1e3:.6g} ms",
+            str(c.lost),
         )
-        for c in found["channels"]
+        for c in found.channels
     ]
 
 
-def _print_events(console: Console, events: list[dict[str, Any]]) -> None:
+def _print_events(console: Console, events: "list[EventInfo]") -> None:
     for event in events[:EVENTS]:
-        console.print(plain_text(f"{event['time']:10.3f} s  {event['kind']:8}  {event['text']}"))
+        console.print(plain_text(f"{event.time:10.3f} s  {event.kind:8}  {event.text}"))
     if len(events) > EVENTS:
         console.print(f"… and {len(events) - EVENTS} events more: --json gives all")

@@ -57,7 +57,7 @@ def plant(
     link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, patience)
     awaited = tuple(partners or (["controller"] if mode == ProcessMode.LOCKSTEP else []))
     options = PlantOptions(Mode(mode), speed, fifo, fresh() if run_id is None else run_id, awaited, patience)
-    words = run_plant(checked, link, options)
+    words = run_plant(checked, link, options).plain()
     if as_json:
         print_json(words)
     else:

@@ -20,7 +20,7 @@ def info(file: FILE, as_json: AS_JSON = False) -> None:
 
     found = describe(read(file))
     if as_json:
-        print_json(found)
+        print_json(found.plain())
     else:
         print_info(found)
 

@@ -64,11 +64,11 @@ def run(
     with nullcontext(recording) if recording else own_name(default_recording(checked.name)) as path:
         outcome = run_scenario(checked, RunOptions(mode, path, speed, fifo, patience, external, listen))
     if summary_file == Path("-"):
-        print_json(outcome.summary)
+        print_json(outcome.plain())
         raise typer.Exit(1 if outcome.faults else 0)
     outcome = shown(outcome)
     print_summary(outcome)
-    written = write_text(summary_file, json.dumps(outcome.summary, indent=2))
+    written = write_text(summary_file, json.dumps(outcome.plain(), indent=2))
     raise typer.Exit(1 if outcome.faults or not written else 0)
 
 

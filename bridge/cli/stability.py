@@ -1,13 +1,16 @@
 """Verbs about the stability of the sampled loop: advise, map."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON, CHANGES, SCENARIO, SCHEDULER, WORKERS
 from bridge.errors import UsageError
+
+if TYPE_CHECKING:
+    from bridge.studies.stability.advice import Advice, GainInUnits, PointAdvice
 
 PAIR = "LOW:HIGH"
 
@@ -24,47 +27,47 @@ def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSO
 
     found = advice(checked)
     if as_json:
-        print_json(found)
+        print_json(found.plain())
     else:
         _print(found)
 
 
-def _print(found: dict[str, Any]) -> None:
+def _print(found: "Advice") -> None:
     from bridge.cli.tables import print_table
-    from bridge.studies.stability.advice import WORDS
 
-    own, derivative = found["gain"]["volts"], found["derivative_gain"]["volts"]
+    timing = found.timing
     print(
-        f"{found['scenario']}: P {own:.4g} V/%, D {derivative:.4g} V s/% ({found['derivative']}), sampled every "
-        f"{found['period'] * 1e3:g} ms, delay {found['delay'] * 1e3:g} ms, held at {found['held_at'] * 1e3:g} mm"
+        f"{found.scenario}: P {found.gain.volts:.4g} V/%, D {found.derivative_gain.volts:.4g} V s/% "
+        f"({timing.derivative}), sampled every {timing.period * 1e3:g} ms, delay {timing.delay * 1e3:g} ms, "
+        f"held at {found.held_at * 1e3:g} mm"
     )
-    print(f"By linear theory the loop is {WORDS[found['verdict']]}.\n")
+    print(f"By linear theory the loop is {found.verdict.words}.\n")
     heads = ("about", "opening", "critical P", "gain margin", "delay margin", "stable D", "starts as", "at these gains")
-    print_table(heads, [_row(name, point) for name, point in found["points"].items()])
-    suggested = found["suggested"]
-    gain, patient = (_volts(suggested[name], "V/%") for name in ("gain", "patient"))
-    print(f"\nsuggested P: {gain}, patient {patient} ({suggested['rule']})")
+    print_table(heads, [_row(name, point) for name, point in found.points.items()])
+    suggested = found.suggested
+    gain, patient = _volts(suggested.gain, "V/%"), _volts(suggested.patient, "V/%")
+    print(f"\nsuggested P: {gain}, patient {patient} ({suggested.rule})")
 
 
-def _row(name: str, point: dict[str, Any]) -> tuple[str, ...]:
-    swing, margin, late = point["swing"], point["gain_margin"], point["delay_margin"]
-    low, high = point["least_derivative"]["volts"], point["critical_derivative"]["volts"]
+def _row(name: str, point: "PointAdvice") -> tuple[str, ...]:
+    swing, margin, late = point.swing, point.gain_margin, point.delay_margin
+    low, high = point.least_derivative.volts, point.critical_derivative.volts
     width = "none" if low is None else f"{low:.3g} to {'any' if high is None else f'{high:.3g}'} V s/%"
-    now = "dies away" if point["stable"] else f"{swing['kind']}, {swing['frequency']:.3g} Hz"
+    now = "dies away" if point.stable else f"{swing.kind}, {swing.frequency:.3g} Hz"
     return (
         name,
-        f"{point['opening'] * 1e2:.2g} %",
-        _volts(point["critical_gain"], "V/%"),
+        f"{point.opening * 1e2:.2g} %",
+        _volts(point.critical_gain, "V/%"),
         "-" if margin is None else f"{margin:.3g}",
         "long" if late is None else f"{late * 1e3:.3g} ms",
         width,
-        f"{point['kind']}, {point['frequency']:.3g} Hz",
+        f"{point.kind}, {point.frequency:.3g} Hz",
         now,
     )
 
 
-def _volts(gain: dict[str, float | None], unit: str) -> str:
-    return "none" if gain["volts"] is None else f"{gain['volts']:.4g} {unit}"
+def _volts(gain: "GainInUnits", unit: str) -> str:
+    return "none" if gain.volts is None else f"{gain.volts:.4g} {unit}"
 
 
 def map_stability(

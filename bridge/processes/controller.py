@@ -13,6 +13,7 @@ from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
 from bridge.wire.link import Link
 from bridge.wire.messages import GOING, EventKind, Mode, Phase, Reason, reason_of
+from bridge.wire.status import PUBLISHED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
@@ -46,7 +47,7 @@ class ControllerProcess:
             time.sleep(0.02)
             if self._fault is not None:
                 raise self._fault
-        counts = {f"published/{topic}": float(count) for topic, count in self.side.published.items()}
+        counts = counted(PUBLISHED, self.side.published)
         self.bus.publish_status(self._run_id, self._stamp, Phase.ENDED, counts, final=True)
 
     def _guarded(self, topic: str, heed: Callable[[Any], None]) -> Receiver:
@@ -80,7 +81,7 @@ class ControllerProcess:
 
     def _follow(self, status: Any) -> None:
         if status.role == "plant" and status.phase not in GOING:
-            self._last_tick = round(dict(zip(status.names, status.values, strict=True))["tick"])
+            self._last_tick = PlantStatus.from_plain(numbers_of(status)).tick
             self._deadline = time.monotonic() + FAREWELL
 
     def _finished(self) -> bool:

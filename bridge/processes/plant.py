@@ -18,6 +18,7 @@ from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, ready
 from bridge.wire.link import Link
 from bridge.wire.messages import Ending, Mode, Outgoing, Phase, last_words
+from bridge.wire.status import Pace, PlantReport, PlantStatus, Reading
 from controller.grid import NS, is_sample
 from twin.topology import PRESSURES
 
@@ -60,12 +61,11 @@ class PlantProcess:
         self.options = options
         self.stop = Stop()
         self.side = PlantSide(scenario, options.run_id)
-        self.timing: dict[str, float] = {}
+        self.pace: Pace | None = None  # None before the first tick, and in lockstep
         self._commands: queue.SimpleQueue[Command | None] = queue.SimpleQueue()
         self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
         self._status_due = 0
         self._timings = 0
-        self.report: dict[str, Any] = {}  # the last words, once they are said
         self._facts = {"versions": versions(), "host": host()}
         bus.answer("scenario", self._manifest)
         ready("command")
@@ -85,19 +85,23 @@ class PlantProcess:
             self._real_time()
         return Ending.INTERRUPTED if self.side.tick_number < self.scenario.ticks else Ending.COMPLETE
 
-    def close(self, ending: Ending, reason: str = "", partners: tuple[str, ...] = ("controller", "recorder")) -> None:
+    def close(
+        self, ending: Ending, reason: str = "", partners: tuple[str, ...] = ("controller", "recorder")
+    ) -> PlantReport:
         """Say the last words and stay until the partners have left: their messages pass through here."""
         for message in self.side.finish(last_words(ending, self.side.tick_number, reason)):
             self.bus.publish(message)
-        self._report(LAST_PHASE[ending], reason, extra=self.timing, final=True)
+        phase = LAST_PHASE[ending]
+        status = self._report(phase, reason, final=True)
         self.bus.await_leaving(partners, LINGER)
+        return PlantReport(status, phase, reason)
 
     def _lockstep(self) -> None:
         self._publish(self.side.start())
         while self.side.tick_number < self.scenario.ticks and not self.stop():
             if self._await_command():
                 self._publish(self.side.tick())
-            self._report_when_due(time.monotonic_ns(), {})
+            self._report_when_due(time.monotonic_ns())
 
     def _await_command(self) -> bool:
         """Before it integrates past an `apply_at` the plant has that command, or says whose fault it is.
@@ -136,14 +140,8 @@ class PlantProcess:
             latest = max(latest, tick.lateness)
             now = time.monotonic_ns()
             self._time(tick.lateness, now - tick.due - tick.lateness, trip, slack)
-            self.timing = {
-                "overruns": overruns.count,
-                "worst_overrun": overruns.worst / NS,
-                "longest_burst": overruns.burst,
-                "lateness": latest / NS,
-                "round_trip": trip / NS,
-            }
-            if self._report_when_due(now, self.timing):
+            self.pace = Pace(overruns.count, overruns.worst / NS, overruns.burst, latest / NS, trip / NS)
+            if self._report_when_due(now):
                 latest = 0
             if tick.number >= self.scenario.ticks or self.stop():
                 return
@@ -198,32 +196,33 @@ class PlantProcess:
         self.bus.publish(Outgoing("timing", side.now, self._timings, timing))
         self._timings += 1
 
-    def _report_when_due(self, now: int, extra: dict[str, float]) -> bool:
+    def _report_when_due(self, now: int) -> bool:
         if now < self._status_due:
             return False
         self._status_due = now + STATUS_PERIOD
-        self._report(Phase.SAFE if self.side.inlet.safe else Phase.RUNNING, "", extra)
+        self._report(Phase.SAFE if self.side.inlet.safe else Phase.RUNNING, "")
         return True
 
-    def _report(self, phase: Phase, text: str, extra: dict[str, float], final: bool = False) -> None:
-        side, m = self.side, self.side.measurement
-        values: dict[str, float] = {
-            "tick": side.tick_number,
-            "ticks": self.scenario.ticks,
-            "commands": side.inlet.accepted,
-            "late": side.inlet.late,
-            "worst_late": side.inlet.worst_lateness / NS,
-            "safe_states": side.inlet.safe_states,
-        }
-        if m is not None:
-            values |= {name: getattr(m, name) for name in ("position", *PRESSURES)} | {"spool": side.inlet.value}
-        values |= {f"refused/{reason}": count for reason, count in side.inlet.refused.items()}
-        values |= extra
+    def _report(self, phase: Phase, text: str, final: bool = False) -> PlantStatus:
+        status = self._status()
         if final:
-            counts = side.published | {"timing": self._timings}
-            values |= {f"published/{topic}": count for topic, count in counts.items()}
-            self.report = values | {"phase": phase, "reason": text}
-        self.bus.publish_status(side.run_id, side.now, phase, values, text, final)
+            status = status._replace(published=self.side.published | {"timing": self._timings})
+        self.bus.publish_status(self.side.run_id, self.side.now, phase, status.plain(), text, final)
+        return status
+
+    def _status(self) -> PlantStatus:
+        inlet, m = self.side.inlet, self.side.measurement
+        return PlantStatus(
+            tick=self.side.tick_number,
+            ticks=self.scenario.ticks,
+            commands=inlet.accepted,
+            late=inlet.late,
+            worst_late=inlet.worst_lateness / NS,
+            safe_states=inlet.safe_states,
+            reading=None if m is None else _reading(m, inlet.value),
+            refused=inlet.refused,
+            pace=self.pace,
+        )
 
     def _manifest(self) -> bytes:
         """What a recorder puts at the head of its file."""
@@ -238,7 +237,11 @@ class PlantProcess:
         return json.dumps(facts).encode()
 
 
-def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> dict[str, Any]:
+def _reading(measurement: Any, spool: float) -> Reading:
+    return Reading(measurement.position, tuple(getattr(measurement, name) for name in PRESSURES), spool)
+
+
+def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantReport:
     """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
     circuit_of(scenario)  # refused before anybody is told of it
     prepare(options.fifo)
@@ -255,5 +258,4 @@ def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> dict[str
         except RunError as failure:
             process.close(Ending.FAILED, str(failure), partners=("recorder",))
             raise
-        process.close(ending)
-        return process.report
+        return process.close(ending)

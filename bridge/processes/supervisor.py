@@ -19,6 +19,7 @@ from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
 from bridge.wire.link import Link, LinkError, free_endpoint
 from bridge.wire.messages import GOING, Mode
+from bridge.wire.status import PlantStatus, plant_status
 
 SILENCE = 5.0  # seconds without a word from the plant after which it counts as gone
 STANDSTILL = 5.0  # seconds without a turn that no load explains
@@ -31,7 +32,7 @@ class Supervisor:
     """One supervised run."""
 
     def __init__(
-        self, scenario: Scenario, options: RunOptions, show: Callable[[dict[str, Any]], None], stop: Stop
+        self, scenario: Scenario, options: RunOptions, show: Callable[[PlantStatus, str], None], stop: Stop
     ) -> None:
         self.scenario = scenario
         self.options = options
@@ -131,14 +132,14 @@ class Supervisor:
         return None
 
     def _on_status(self, sample: Any) -> None:
-        status = decode(sample.payload.to_bytes(), "status")
-        if status.role != "plant":
+        message = decode(sample.payload.to_bytes(), "status")
+        status = plant_status(message)
+        if status is None:
             return
         self._heard, self._started = time.monotonic(), True
-        values = dict(zip(status.names, (float(value) for value in status.values), strict=True))
-        if status.phase not in GOING:
+        if message.phase not in GOING:
             self._plant_over = self._plant_over or time.monotonic()
-        self.show(values | {"phase": status.phase})
+        self.show(status, message.phase)
 
     def _over(self) -> bool:
         now = time.monotonic()

@@ -8,7 +8,7 @@ import numpy as np
 
 from bridge.errors import UsageError
 from bridge.recording.reader import Recording
-from bridge.recording.summary import verdict
+from bridge.recording.summary import Summary, summary_of, verdict
 from bridge.recording.tally import Tally
 from bridge.wire.codec import decode
 from bridge.wire.messages import SOURCED
@@ -32,29 +32,64 @@ class ChannelInfo(NamedTuple):
     lost: int  # by the sequence
 
 
-def describe(recording: Recording) -> dict[str, Any]:
-    """Plain data on a recording, for JSON and for people."""
+class EventInfo(NamedTuple):
+    """One event."""
+
+    time: float  # [s]
+    kind: str
+    text: str
+
+
+class RecordingInfo(NamedTuple):
+    """What a recording is, and how its run went; None for what it does not say."""
+
+    file: str
+    size: int | None  # bytes
+    complete: bool  # False: messages are missing that had been recorded
+    problems: list[str]  # one sentence each
+    scenario: str | None
+    title: str | None
+    rig: str | None
+    run: dict[str, Any]  # facts of RUN that the file carries, by name
+    metadata: dict[str, dict[str, Any]]  # all other records of facts
+    channels: list[ChannelInfo]
+    events: list[EventInfo]
+    summary: Summary | None
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        summary = self.summary.plain() if self.summary else {}
+        own = {name: getattr(self, name) for name in self._fields[:7]}
+        return {
+            **own,
+            **self.run,
+            "metadata": self.metadata,
+            "channels": [channel._asdict() for channel in self.channels],
+            "events": [event._asdict() for event in self.events],
+            "ending": summary.get("ending"),
+            **{name: summary.get(name, {}) for name in ("metrics", "timing", "commands", "lost")},
+        }
+
+
+def describe(recording: Recording) -> RecordingInfo:
+    """Look through a recording."""
     known = recording.metadata
     run = known.get("run", {})
-    events = [_event(event) for event in recording.messages("event")] if "event" in recording.counts else []
-    return {
-        "file": str(recording.path),
-        "size": _size(recording.path),
-        "complete": recording.complete,
-        "problems": problems(recording),
-        "scenario": run.get("scenario", {}).get("name"),
-        "title": run.get("scenario", {}).get("title"),
-        "rig": run.get("scenario", {}).get("rig_name"),
-        **{name: run[name] for name in RUN if name in run},
-        "metadata": {name: values for name, values in known.items() if name not in ("run", "summary")},
-        "channels": [channel._asdict() for channel in channels(recording)],
-        "events": events,
-        "ending": known.get("summary", {}).get("ending"),
-        "metrics": known.get("summary", {}).get("metrics", {}),
-        "timing": known.get("summary", {}).get("timing", {}),
-        "commands": known.get("summary", {}).get("commands", {}),
-        "lost": known.get("summary", {}).get("lost", {}),
-    }
+    scenario = run.get("scenario", {})
+    return RecordingInfo(
+        file=str(recording.path),
+        size=_size(recording.path),
+        complete=recording.complete,
+        problems=problems(recording),
+        scenario=scenario.get("name"),
+        title=scenario.get("title"),
+        rig=scenario.get("rig_name"),
+        run={name: run[name] for name in RUN if name in run},
+        metadata={name: values for name, values in known.items() if name not in ("run", "summary")},
+        channels=channels(recording),
+        events=[_event(event) for event in recording.messages("event")] if "event" in recording.counts else [],
+        summary=summary_of(recording),
+    )
 
 
 def problems(recording: Recording) -> list[str]:
@@ -79,9 +114,9 @@ def problems(recording: Recording) -> list[str]:
 
 def _verdict(recording: Recording) -> list[str]:
     known = recording.metadata
-    if "summary" in known:
+    if summary := summary_of(recording):
         try:
-            return [f"the run went badly: {fault}" for fault in verdict(known["summary"], recording.scenario())]
+            return [f"the run went badly: {fault}" for fault in verdict(summary, recording.scenario())]
         except UsageError:
             return []
     return _unsummed(known) if "run" in known and not recording.damage.cut and "recovered" not in known else []
@@ -131,8 +166,8 @@ def _losses(recording: Recording) -> dict[str, int]:
     return tally.losses()
 
 
-def _event(event: Any) -> dict[str, Any]:
-    return {"time": event.stamp / NS, "kind": event.kind, "text": event.text}
+def _event(event: Any) -> EventInfo:
+    return EventInfo(event.stamp / NS, event.kind, event.text)
 
 
 def _size(path: Path) -> int | None:

@@ -3,6 +3,7 @@
 from typing import Any
 
 from bridge.recording.reader import Recording
+from bridge.recording.summary import plain_metrics, summary_of
 from bridge.scenario.bands import METRICS, value_with_unit
 from bridge.wire.messages import Mode
 
@@ -11,12 +12,12 @@ MODES = {Mode.INPROCESS: "in one process", Mode.LOCKSTEP: "in lockstep", Mode.RE
 
 def sentence(recording: Recording) -> str:
     """The run in one sentence."""
-    run, summary = recording.metadata.get("run", {}), recording.metadata.get("summary", {})
+    run, summary = recording.metadata.get("run", {}), summary_of(recording)
     what = _control(run.get("scenario", {}))
     how = MODES.get(run.get("mode", ""), "")
-    simulated = summary.get("simulated")
+    simulated = summary and summary.simulated
     span = "A run" if simulated is None else f"{simulated:g} s"
-    ending = summary.get("ending", "not ended, shown as far as it goes")
+    ending = summary.ending if summary else "not ended, shown as far as it goes"
     return f"{' '.join(filter(None, (span, how, what)))}: {ending}."
 
 
@@ -30,8 +31,9 @@ def _control(scenario: dict[str, Any]) -> str:
 
 def run_in_words(recording: Recording) -> str:
     """The run as Markdown."""
-    summary = recording.metadata.get("summary", {})
-    rows = [(METRICS[name].words, value_with_unit(name, value)) for name, value in summary.get("metrics", {}).items()]
+    summary = summary_of(recording)
+    metrics = plain_metrics(summary.metrics) if summary else {}
+    rows = [(METRICS[name].words, value_with_unit(name, value)) for name, value in metrics.items()]
     table = ["| | |", "|---|---|", *(f"| {words} | {value} |" for words, value in rows)] if rows else []
     scenario = recording.metadata.get("run", {}).get("scenario", {})
     title = scenario.get("title") or scenario.get("name", "A run")

@@ -19,6 +19,7 @@ from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
 from bridge.wire.messages import Mode, Outgoing, Phase
+from bridge.wire.status import PlantStatus
 from controller.grid import Sampling, is_sample
 
 PATIENCE = 10.0  # seconds for an answer
@@ -101,7 +102,9 @@ class FedController:
             self._bus.publish(Outgoing("measurement", entry.log_time, entry.sequence, last), entry.data)
             yield [self._await(topic, entry.log_time) for topic in ("command", "reference")]
         if last is not None:
-            self._bus.publish_status(last.run_id, last.stamp, Phase.ENDED, {"tick": float(last.tick)}, final=True)
+            self._bus.publish_status(
+                last.run_id, last.stamp, Phase.ENDED, PlantStatus(last.tick, last.tick).plain(), final=True
+            )
             self._finish()
 
     def _await(self, topic: str, stamp: int) -> Outgoing:

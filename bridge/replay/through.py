@@ -3,7 +3,7 @@
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bridge.errors import RunError, UsageError
 from bridge.loop.controller import ControllerSide
@@ -11,7 +11,8 @@ from bridge.machine.process import Stop
 from bridge.recording.compare import compare
 from bridge.recording.reader import Entry, Recording, read
 from bridge.recording.reader import recording as in_memory
-from bridge.recording.summary import NEEDED, summarise
+from bridge.recording.summarise import NEEDED, summarise
+from bridge.recording.summary import summary_of
 from bridge.recording.writer import RecordingWriter, new_recording
 from bridge.replay.into_controller import FedController, heard, only, owner, through_side
 from bridge.replay.into_plant import through_plant
@@ -54,7 +55,7 @@ def replay_through(path: Path, request: Through) -> ReplayResult:
     entries = _written(writer, _replayed(recording, scenario, request, residuals))
     writer.flush()
     verdict = _judge(recording, in_memory(request.output, entries, {}), request)
-    writer.metadata("summary", summarise(read(request.output, NEEDED, growing=True), scenario, {}))
+    writer.metadata("summary", summarise(read(request.output, NEEDED, growing=True), scenario, {}).plain())
     writer.metadata("replay", {"passed": verdict.passed, "signals": [d._asdict() for d in verdict.differences]})
     writer.close()
     return verdict
@@ -127,12 +128,15 @@ def _judge(recorded: Recording, replayed: Recording, request: Through) -> Replay
     wanted = tuple(topic for topic in topics if recorded.counts.get(topic))
     differences = compare(replayed, recorded, request.tolerances, wanted, partly=_may_lack(recorded, request.into))
     events = events_apart(replayed, recorded) if request.into == "plant" and "event" in recorded.counts else None
-    lost = recorded.metadata.get("summary", {}).get("lost", {})
-    missing = lost.get("command" if request.into == "plant" else "measurement", 0)
+    missing = _lost(recorded).get("command" if request.into == "plant" else "measurement", 0)
     return ReplayResult(request.into, differences, events, request.output, missing)
 
 
 def _may_lack(recorded: Recording, into: str) -> bool:
     """Instants may be missing where messages were lost on the way to the file, or the file was cut off."""
-    lost: dict[str, Any] = recorded.metadata.get("summary", {}).get("lost", {})
-    return not recorded.complete or bool(lost)
+    return not recorded.complete or bool(_lost(recorded))
+
+
+def _lost(recorded: Recording) -> Mapping[str, int]:
+    summary = summary_of(recorded)
+    return summary.lost if summary else {}

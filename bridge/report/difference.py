@@ -4,6 +4,7 @@ from typing import Any
 
 from bridge.recording.compare import Difference, difference
 from bridge.recording.signals import Signal
+from bridge.recording.summary import plain_metrics
 from bridge.report.subject import Run
 from bridge.scenario.bands import (
     METRICS,
@@ -34,7 +35,7 @@ def metric_rows(runs: list[Run]) -> list[tuple[str, ...]]:
     """Metric, and what each run came to; of two runs also by how much they differ."""
     rows = []
     for name, metric in METRICS.items():
-        values = [run.summary.get("metrics", {}).get(name) for run in runs]
+        values = [plain_metrics(run.summary.metrics).get(name) for run in runs]
         if all(value is None for value in values):
             continue
         apart = [_apart(name, *values)] if len(values) == 2 else []

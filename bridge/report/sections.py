@@ -77,10 +77,9 @@ def timing_table(runs: list[Run], names: list[str]) -> str:
     """Percentiles of wall times, overruns."""
     rows = []
     for run, name in zip(runs, names, strict=True):
-        lead, timing = f"{text(name)}: " if len(runs) > 1 else "", run.summary.get("timing", {})
-        for key, words in (("lateness", "lateness of the ticks"), ("round_trip", "measurement to command")):
-            if spread := timing.get(key):
-                rows.append((lead + words, *(f"{spread[q] * 1e6:.1f} us" for q in ("p50", "p99", "p99.9", "max"))))
+        lead = f"{text(name)}: " if len(runs) > 1 else ""
+        for words, spread in run.summary.timing.shown() if run.summary.timing else ():
+            rows.append((lead + words, *(f"{value * 1e6:.1f} us" for value in spread)))
     return table(("wall time", "p50", "p99", "p99.9", "greatest"), rows, "numbers")
 
 

@@ -8,7 +8,7 @@ from bridge.drawing.colours import LIGHT
 from bridge.drawing.html import text
 from bridge.report.charts import RUNS, canvas
 from bridge.report.subject import Run
-from bridge.studies.stability.operating import edge_curves, left_out, operating_point, sentences
+from bridge.studies.stability.operating import OperatingPoint, edge_curves, left_out, operating_point, sentences
 
 CAPTION = (
     "By linear theory, without friction, about the points where the piston rests and slowly moves: stable below both "
@@ -16,27 +16,27 @@ CAPTION = (
 )
 
 
-def stability_points(runs: list[Run]) -> list[dict[str, Any] | None]:
+def stability_points(runs: list[Run]) -> list[OperatingPoint | None]:
     """The operating point of each run; None where there is no theory for its loop."""
-    return [operating_point(run.scenario, run.summary.get("metrics", {})) for run in runs]
+    return [operating_point(run.scenario, run.summary.metrics) for run in runs]
 
 
-def draw_stability(runs: list[Run], points: list[dict[str, Any] | None]) -> Any:
+def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
     """A matplotlib figure: edges of the first run that has any, and a dot a run; None without one."""
     known = [(run, point) for run, point in zip(runs, points, strict=True) if point is not None]
     if not known:
         return None
     intervals, edges = edge_curves(known[0][0].scenario)
     figure, (axis,) = canvas(1, 2.8)
-    top = 1.25 * max(float(np.max(edges)), *(point["gain"] for _, point in known))
+    top = 1.25 * max(float(np.max(edges)), *(point.gain for _, point in known))
     axis.fill_between(intervals * 1e3, 0.0, edges[:, 0], color=LIGHT["blue"], alpha=0.12, linewidth=0.0)
     axis.fill_between(intervals * 1e3, edges[:, 0], edges[:, 1], color=LIGHT["grey"], alpha=0.25, linewidth=0.0)
     axis.plot(intervals * 1e3, edges[:, 0], color=LIGHT["blue"], linewidth=1.2, label="stable below")
     axis.plot(intervals * 1e3, edges[:, 1], color=LIGHT["red"], linewidth=1.2, label="unstable above")
     for (run, point), colour in zip(known, RUNS * len(known), strict=False):
-        place = point["sample_period"] * 1e3, point["gain"]
+        place = point.sample_period * 1e3, point.gain
         axis.plot(*place, "o", color=colour, markeredgecolor="white", markersize=8, label=run.name)
-    bottom = 0.7 * min(float(np.min(edges)), *(point["gain"] for _, point in known))
+    bottom = 0.7 * min(float(np.min(edges)), *(point.gain for _, point in known))
     axis.set(xscale="log", yscale="log", ylim=(max(bottom, 1e-3), top), xlim=(intervals[0] * 1e3, intervals[-1] * 1e3))
     ticks = [t for t in (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000) if intervals[0] <= t * 1e-3 <= intervals[-1]]
     axis.set_xticks(ticks, labels=[f"{t}" for t in ticks])
@@ -49,7 +49,7 @@ def draw_stability(runs: list[Run], points: list[dict[str, Any] | None]) -> Any:
     return figure
 
 
-def words(runs: list[Run], names: list[str], points: list[dict[str, Any] | None]) -> str:
+def words(runs: list[Run], names: list[str], points: list[OperatingPoint | None]) -> str:
     """A paragraph a run."""
     parts = []
     for run, name, point in zip(runs, names, points, strict=True):

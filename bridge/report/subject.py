@@ -1,7 +1,7 @@
 """What the report needs to know of one recording."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,9 @@ from bridge.errors import UsageError
 from bridge.recording.columns import reference_at
 from bridge.recording.frames import profiles
 from bridge.recording.reader import Recording, read
-from bridge.recording.summary import summarise, verdict
+from bridge.recording.summarise import known_or_made
+from bridge.recording.summary import Summary, verdict
 from bridge.runs.check import Judgement, judge_run
-from bridge.runs.run import Outcome
 from bridge.scenario import Scenario
 from controller.grid import NS
 
@@ -22,7 +22,7 @@ class Run(NamedTuple):
 
     recording: Recording
     scenario: Scenario
-    summary: dict[str, Any]
+    summary: Summary
     verdicts: list[Judgement]
     faults: list[str]
     state: dict[str, NDArray]
@@ -51,14 +51,11 @@ def load_run(path: Path) -> Run:
     if recording.counts.get("state", 0) < 2:
         raise UsageError(f"{path}: the recording holds no state of a plant, so there is nothing to report")
     scenario = recording.scenario()
-    summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
-    faults = verdict(summary, scenario)
-    outcome = Outcome(scenario, summary, faults, path, None)
+    summary = known_or_made(recording, scenario)
+    faults, verdicts = verdict(summary, scenario), judge_run(scenario, summary, path)
     state = recording.columns("state")
     time = state["stamp"] / NS
-    return Run(
-        recording, scenario, summary, judge_run(outcome, scenario), faults, state, time, reference_at(time, scenario)
-    )
+    return Run(recording, scenario, summary, verdicts, faults, state, time, reference_at(time, scenario))
 
 
 def named_apart(runs: list[Run]) -> list[str]:

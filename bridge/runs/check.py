@@ -8,6 +8,7 @@ from bridge.errors import visible
 from bridge.processes.options import RunOptions
 from bridge.recording.names import own_name
 from bridge.recording.reader import read
+from bridge.recording.summary import Summary
 from bridge.runs.run import Outcome, run_scenario
 from bridge.scenario import Scenario
 from bridge.scenario.bands import parse_band, signal_with_unit, value_with_unit
@@ -17,6 +18,8 @@ from controller.bands import END, START, Band, Metrics, WindowBand, judge
 from controller.grid import NS
 from controller.window import judge_window
 from twin.circuit.reading import BALANCES, moments
+
+UNKNOWN = Metrics(*(float("nan") for _ in Metrics._fields))  # of a run without any
 
 
 class Judgement(NamedTuple):
@@ -58,9 +61,9 @@ def check_scenario(scenario: Scenario, mode: Mode, folder: Path) -> CheckResult:
     """Run a scenario headless and judge it."""
     with own_name(folder / f"{scenario.name}-check-running.mcap") as path:
         outcome = run_scenario(scenario, RunOptions(mode, path))
-        verdicts = judge_run(outcome, scenario)
+        verdicts = judge_run(scenario, outcome.summary, outcome.recording)
         recording = _renamed(outcome, folder / f"{scenario.name}-check.mcap")
-    return CheckResult(scenario, verdicts, outcome.faults, outcome.summary["notes"], recording, outcome.interrupted)
+    return CheckResult(scenario, verdicts, outcome.faults, outcome.notes, recording, outcome.interrupted)
 
 
 def _renamed(outcome: Outcome, path: Path) -> Path | None:
@@ -87,15 +90,14 @@ def junit_xml(results: list[CheckResult]) -> str:
     return ET.tostring(suites, encoding="utf-8", xml_declaration=True).decode()
 
 
-def judge_run(outcome: Outcome, scenario: Scenario) -> list[Judgement]:
+def judge_run(scenario: Scenario, summary: Summary | None, recording: Path | None) -> list[Judgement]:
     """A verdict on each band of a scenario; one on a run that left nothing behind fails."""
-    found = outcome.summary.get("metrics", {})
-    values = {name: float("nan") if found.get(name) is None else found[name] for name in Metrics._fields}
+    metrics = (summary and summary.metrics) or UNKNOWN
     bands = [(text, parse_band(text)) for text in scenario.expect]
     windows = [band for _, band in bands if isinstance(band, WindowBand)]
-    look = Look(outcome.recording, scenario) if windows and outcome.recording else None
+    look = Look(recording, scenario) if windows and recording else None
     return [
-        look_up(text, band, look) if isinstance(band, WindowBand) else _judge(text, band, Metrics(**values))
+        look_up(text, band, look) if isinstance(band, WindowBand) else _judge(text, band, metrics)
         for text, band in bands
     ]
 

@@ -8,7 +8,7 @@ from bridge.errors import RunError, reason
 from bridge.loop.exchange import exchange, sides
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry, Recording, recording
-from bridge.recording.summary import summarise
+from bridge.recording.summarise import summarise
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario
 from controller.grid import NS
@@ -33,7 +33,7 @@ def record_in_process(
         for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
             entries += writer.instant(messages)
             progress(tick)
-        summary = summarise(recording(path, entries, {}), scenario, {})
+        summary = summarise(recording(path, entries, {}), scenario, {}).plain()
         writer.metadata("summary", summary)
     return recording(path, entries, {"run": head, "summary": summary})
 

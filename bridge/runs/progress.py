@@ -1,11 +1,11 @@
 """What a person sees while a run is going on; nothing when nobody looks."""
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from bridge.scenario import Scenario
 from bridge.wire.messages import Phase
-from twin.topology import PRESSURES
+from bridge.wire.status import PlantStatus
 
 if TYPE_CHECKING:
     from rich.live import Live
@@ -33,12 +33,12 @@ class Progress:
     def tick(self, number: int) -> None:
         """In process: how far it has come."""
         if self._live and number % EVERY == 0:
-            self.show({"tick": number, "ticks": self.scenario.ticks, "phase": Phase.RUNNING})
+            self.show(PlantStatus(number, self.scenario.ticks), Phase.RUNNING)
 
-    def show(self, values: dict[str, Any]) -> None:
+    def show(self, status: PlantStatus, phase: str) -> None:
         """Draw the numbers of a status."""
         if self._live:
-            self._live.update(_line(self.scenario, values))
+            self._live.update(_line(self.scenario, status, phase))
 
 
 def _line_on_screen() -> "Live":
@@ -49,22 +49,22 @@ def _line_on_screen() -> "Live":
     return Live(Text("starting"), console=Console(stderr=True), refresh_per_second=10, transient=True)
 
 
-def _line(scenario: Scenario, values: dict[str, Any]) -> "Table":
+def _line(scenario: Scenario, status: PlantStatus, phase: str) -> "Table":
     from rich.table import Table
     from rich.text import Text
 
     period = scenario.loop.daq_period
-    done, total = values.get("tick", 0) * period, values.get("ticks", 1) * period
+    done, total = status.tick * period, status.ticks * period
     bar = "━" * round(20 * done / total) if total else ""
-    cells = [Text(scenario.name, "bold"), str(values["phase"]), f"{bar:·<20}", f"{done:.1f}/{total:g} s"]
-    if "position" in values:
-        cells.append(f"x {values['position'] * 1e3:.1f} mm")
-        cells.append("p " + " ".join(f"{values[tap] / 1e5:.0f}" for tap in PRESSURES) + " bar")
-        cells.append(f"u {values['spool']:+.2f}")
-    if values.get("lateness") is not None:
-        cells.append(f"late {values['lateness'] * 1e6:.0f} us")
-    if values.get("round_trip", -1) > 0:
-        cells.append(f"trip {values['round_trip'] * 1e6:.0f} us")
+    cells = [Text(scenario.name, "bold"), phase, f"{bar:·<20}", f"{done:.1f}/{total:g} s"]
+    if reading := status.reading:
+        cells.append(f"x {reading.position * 1e3:.1f} mm")
+        cells.append("p " + " ".join(f"{p / 1e5:.0f}" for p in reading.pressures) + " bar")
+        cells.append(f"u {reading.spool:+.2f}")
+    if pace := status.pace:
+        cells.append(f"late {pace.lateness * 1e6:.0f} us")
+        if pace.round_trip > 0.0:
+            cells.append(f"trip {pace.round_trip * 1e6:.0f} us")
     table = Table.grid(padding=(0, 2))
     table.add_row(*cells)
     return table

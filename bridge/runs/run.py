@@ -1,30 +1,52 @@
 """Run a scenario in any mode and gather what came of it."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bridge.errors import RunError, writing
 from bridge.machine.process import Stop
 from bridge.processes.options import RunOptions
 from bridge.recording.reader import Recording, read
-from bridge.recording.summary import NEEDED, summarise, verdict
+from bridge.recording.summarise import NEEDED, known_or_made
+from bridge.recording.summary import Summary, verdict
 from bridge.runs.in_process import RecordingError, record_in_process
 from bridge.runs.progress import Progress
 from bridge.scenario import Scenario
 from bridge.scenario.describe import warnings
 from bridge.wire.messages import Mode
 
+if TYPE_CHECKING:
+    from bridge.studies.stability.operating import OperatingPoint
+
 
 class Outcome(NamedTuple):
     """What a run left behind."""
 
     scenario: Scenario
-    summary: dict[str, Any]
+    options: RunOptions
     faults: list[str]  # empty for a good run
-    recording: Path | None  # None when none was written
-    picture: Path | None = None
-    interrupted: bool = False  # by somebody, before its time
+    notes: list[str]  # what people should know, without being a failure
+    interrupted: bool  # by somebody, before its time
+    summary: Summary | None = None  # None when no recording was written
     data: Recording | None = None  # what the summary was made of
+    picture: Path | None = None
+    compared: bool = False  # with the linear theory
+    stability: "OperatingPoint | None" = None  # what that says; None where it knows no such loop
+
+    @property
+    def recording(self) -> Path | None:
+        """The file of the run; None when none was written."""
+        return None if self.summary is None else self.options.recording
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        words = {"faults": self.faults, "notes": self.notes}
+        if self.summary is None:
+            return {"scenario": self.scenario.name} | words
+        options = self.options
+        how = {"mode": options.mode, "speed": options.speed, "recording": str(options.recording)}
+        point = {"stability": self.stability and self.stability.plain()} if self.compared else {}
+        return self.summary.plain() | how | words | point
 
 
 def run_scenario(scenario: Scenario, options: RunOptions) -> Outcome:
@@ -37,27 +59,24 @@ def run_scenario(scenario: Scenario, options: RunOptions) -> Outcome:
         stop.leave()
     notes = [*coarse, *notes]
     if recording is None:
-        summary = {"scenario": scenario.name, "faults": faults, "notes": notes}
-        return Outcome(scenario, summary, faults, None, None, stop.asked)
-    summary = recording.metadata.get("summary") or summarise(recording, scenario, {})
+        return Outcome(scenario, options, faults, notes, stop.asked)
+    summary = known_or_made(recording, scenario)
     faults = [*faults, *verdict(summary, scenario)]
-    summary = summary | {"mode": options.mode, "speed": options.speed, "recording": str(options.recording)}
-    summary |= {"faults": faults, "notes": notes}
-    return Outcome(scenario, summary, faults, options.recording, None, stop.asked, recording)
+    return Outcome(scenario, options, faults, notes, stop.asked, summary, recording)
 
 
 def shown(outcome: Outcome) -> Outcome:
     """The outcome for people: with a picture, and with where it stands among the stable gains of its loop."""
-    if outcome.data is None or outcome.interrupted:
+    if outcome.data is None or outcome.summary is None or outcome.interrupted:
         return outcome
     from bridge.studies.stability.operating import left_out, operating_point
 
-    scenario, summary = outcome.scenario, outcome.summary
-    notes = [*summary["notes"], *filter(None, [left_out(scenario)])]
+    scenario, metrics = outcome.scenario, outcome.summary.metrics
+    notes = [*outcome.notes, *filter(None, [left_out(scenario)])]
     picture, refused = _picture(scenario, outcome.data)
+    point = operating_point(scenario, metrics)
     faults = [*outcome.faults, *refused]
-    theory = {"stability": operating_point(scenario, summary["metrics"]), "notes": notes, "faults": faults}
-    return outcome._replace(summary=summary | theory, faults=faults, picture=picture)
+    return outcome._replace(faults=faults, notes=notes, picture=picture, compared=True, stability=point)
 
 
 def _run(scenario: Scenario, options: RunOptions, stop: Stop) -> tuple[Recording | None, list[str], list[str]]:

@@ -32,7 +32,7 @@ def rows(folder: Path) -> Iterator[Row]:
     yield "size of a recording", f"{size:.1f} MB a minute", "", ""
     changes = ["duration=20", "loop.sample_period=0.001", "real_time.overruns=100000", "real_time.length=10"]
     run = RunOptions(Mode.REALTIME, folder / "run.mcap")
-    lost = sum(run_scenario(load("step", changes), run).summary["lost"].values())
+    lost = sum(run_scenario(load("step", changes), run).plain()["lost"].values())
     facts = read(folder / "run.mcap", ()).metadata["recorder"]
     yield "recorder beside a loop at 1 kHz", f"{100 * facts['processor_share']:.1f} % of a core", f"{lost} lost", ""
 

@@ -47,7 +47,7 @@ def _run(folder: Path, fifo: bool, watch: bool) -> dict[str, Any]:
     endpoint = free_endpoint()
     request = RunOptions(Mode.REALTIME, folder / "view.mcap", fifo=fifo, listen=endpoint)
     with _watching(endpoint if watch else None):
-        return run_scenario(load("step", CHANGES), request).summary
+        return run_scenario(load("step", CHANGES), request).plain()
 
 
 @contextmanager

@@ -143,10 +143,10 @@ def test_a_run_that_leaves_no_recording_is_never_good(tmp_path: Path):
 def test_theory_that_would_take_minutes_is_left_out_and_said_to_be():
     """A dead time of 400 sampling periods; at 20 it is computed, and the chart leaves out the shortest intervals."""
     long, short = load("step", ["loop.delay=4"]), load("step", ["loop.delay=0.2"])
-    assert operating_point(long, {}) is None
+    assert operating_point(long, None) is None
     assert "loop.delay 4 s is more than 40 sampling periods" in str(left_out(long))
     assert left_out(short) is None
-    assert operating_point(short, {}) is not None
+    assert operating_point(short, None) is not None
     assert edge_curves(short)[0][0] == pytest.approx(0.005, rel=0.3)
     assert left_out(load("step", ["loop.delay=4", "controller.law=open-loop"])) is None
 

@@ -72,7 +72,7 @@ def test_only_what_is_chosen_is_recorded_with_the_users_own_words(tmp_path):
     assert not found.metadata["summary"]["lost"]
     done = hydrotwin("info", str(path), "--json")
     told = json.loads(done.stdout)
-    assert (told["problems"], told["metadata"]["user"]) == ([], {"operator": "Ada"})
+    assert (told.problems, told["metadata"]["user"]) == ([], {"operator": "Ada"})
 
 
 @pytest.mark.parametrize("option", [("--split-time", "0.8 s"), ("--split-size", "200 kB")])
@@ -88,7 +88,7 @@ def test_parts_are_whole_and_join_to_the_run(tmp_path, option):
         assert recording.complete
         assert recording.scenario().name == "step"
         assert recording.metadata["part_end"]["next"] == following.name
-        assert describe(recording)["problems"] == []
+        assert describe(recording).problems == []
     assert read(parts[-1]).metadata["summary"]["ending"] == "complete after 3000 ticks"
     assert read(parts[-1]).metadata["summary"]["messages"]["state"] == 3001
     assert recover(parts, whole).whole
@@ -182,7 +182,7 @@ def test_a_full_disk_is_told_what_was_written_stays_and_the_loop_goes_on(small_d
     found = read(path)
     assert_whole(found)
     told = describe(found)
-    assert any("ended badly" in problem for problem in told["problems"])
+    assert any("ended badly" in problem for problem in told.problems)
     if limit is None:
         assert found.metadata["refused"]["reason"] == "No space left on device"
     assert found.columns("measurement")["stamp"][-1] > 500_000_000
@@ -263,13 +263,13 @@ def killed(path: Path, roles: tuple[str, ...], seconds: float) -> None:
     found = read(path)
     assert_whole(found)
     assert found.columns("measurement")["stamp"][-1] / 1e9 >= reached / 1e9 - KEPT
-    assert any("ended badly" in problem or "went badly" in problem for problem in describe(found)["problems"])
+    assert any("ended badly" in problem or "went badly" in problem for problem in describe(found).problems)
     again = path.with_stem("again")
     recover([path], again)
     whole = read(again)
     assert whole.complete
     assert whole.entries == found.entries
-    assert any("badly" in problem for problem in describe(whole)["problems"])
+    assert any("badly" in problem for problem in describe(whole).problems)
 
 
 ROLES = [("record",), ("plant",), ("controller",), ("plant", "controller", "record")]

@@ -108,8 +108,8 @@ def test_every_axis_names_its_unit(single):
 
 def test_metrics_and_bands_are_those_of_the_run(single):
     run, _, parsed = single
-    for name, value in run.summary["metrics"].items():
-        if value is not None:
+    for name, value in run.summary.metrics._asdict().items():
+        if value == value:
             assert [METRICS[name].words, value_with_unit(name, value)] in parsed.rows
     for verdict in run.verdicts:
         assert [verdict.text, verdict.found, "passed" if verdict.passed else "FAILED"] in parsed.rows

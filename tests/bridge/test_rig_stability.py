@@ -112,12 +112,12 @@ def test_advice_agrees_with_what_check_finds(name, tmp_path):
     advice, outcome = advise(scenario), check_scenario(scenario, Mode.INPROCESS, tmp_path)
     swings = [verdict for verdict in outcome.verdicts if "limit cycle" in verdict.text]
     assert outcome.passed
-    if advice["verdict"] == "unstable":
+    if advice.verdict == "unstable":
         found = float(swings[0].found.partition(" at ")[2].split()[0])
-        predicted = [point["swing"]["frequency"] for point in advice["points"].values()]
+        predicted = [point.swing.frequency for point in advice.points.values()]
         assert 0.85 * min(predicted) < found < 1.15 * max(predicted)
     else:
-        assert advice["verdict"] == "stable"
+        assert advice.verdict == "stable"
         assert all("limit cycle: present" not in verdict.text for verdict in swings)
 
 
@@ -138,17 +138,17 @@ def test_loops_without_theory_are_refused():
 def test_summary_places_the_run_and_compares_frequencies(tmp_path):
     scenario = load("slow-sampling", ["duration=5"])
     outcome = run_scenario(scenario, RunOptions(Mode.INPROCESS, tmp_path / "a.mcap"))
-    assert "stability" not in outcome.summary  # computed when somebody looks
+    assert "stability" not in outcome.plain()  # computed when somebody looks
     assert not (tmp_path / "a.png").exists()
     outcome = shown(outcome)
     assert outcome.picture == tmp_path / "a.png"
     assert (tmp_path / "a.png").exists()
-    at = outcome.summary["stability"]
+    at = outcome.plain()["stability"]
     assert at["verdict"] == "unstable"
     assert at["found_frequency"] == pytest.approx(5.0, rel=0.01)
     assert at["points"]["rest"]["swing_frequency"] == pytest.approx(5.0, rel=0.01)
     options = RunOptions(Mode.INPROCESS, tmp_path / "b.mcap")
-    assert shown(run_scenario(load("hold-load", ["duration=1"]), options)).summary["stability"] is None
+    assert shown(run_scenario(load("hold-load", ["duration=1"]), options)).plain()["stability"] is None
 
 
 @pytest.mark.parametrize(("derivative", "oscillates"), [("0.0 V s/%", False), ("0.03 V s/%", True)])
@@ -156,9 +156,9 @@ def test_a_derivative_gain_destabilises_a_stable_loop(derivative, oscillates, tm
     """hydrotwin run slow-sampling --set controller.gain=0.5 --set controller.derivative=0.03"""
     scenario = load("slow-sampling", ["controller.gain=0.5", f"controller.derivative={derivative}", "duration=5"])
     outcome = run_scenario(scenario, RunOptions(Mode.INPROCESS, tmp_path / "a.mcap"))
-    found = outcome.summary["metrics"]["limit_cycle_frequency"]
+    found = outcome.plain()["metrics"]["limit_cycle_frequency"]
     assert found == pytest.approx(5.0 if oscillates else 0.0, abs=0.1)
-    assert advise(scenario)["verdict"] == ("unstable" if oscillates else "stable")
+    assert advise(scenario).verdict == ("unstable" if oscillates else "stable")
 
 
 def test_map_writes_picture_table_and_a_page_without_addresses(tmp_path):

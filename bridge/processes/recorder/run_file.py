@@ -13,12 +13,13 @@ from bridge.processes.recorder.order import Order
 from bridge.processes.recorder.parts import Keeping, Parts
 from bridge.processes.recorder.ring import Ring, Window
 from bridge.recording.reader import Recording, read
-from bridge.recording.summary import NEEDED, summarise
+from bridge.recording.summarise import NEEDED, summarise
 from bridge.recording.tally import Tally
 from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
 from bridge.wire.codec import decode
 from bridge.wire.messages import GOING, SOURCED, TOPICS, EventKind, Mode
+from bridge.wire.status import PUBLISHED, counts, numbers_of
 from controller.grid import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
@@ -177,11 +178,9 @@ class RunFile:
         self._parts.flush()
         paths = self._parts.paths[-1:] if self._ring is not None else self._parts.paths
         summary = summarise(_joined([read(path, NEEDED, growing=True) for path in paths]), self.scenario, self.losses())
-        ending = self._ending or (
-            "complete in itself: the run went on" if self._ring is not None else summary["ending"]
-        )
+        ending = self._ending or ("complete in itself: the run went on" if self._ring is not None else summary.ending)
         writer = self._parts.open()
-        writer.metadata("summary", summary | {"ending": ending, "rejected": self.rejected})
+        writer.metadata("summary", summary._replace(ending=ending, rejected=self.rejected).plain())
         writer.metadata("recorder", facts | {"longest_flush": max(self._parts.longest, writer.sink.longest)})
         self._parts.close()
 
@@ -198,14 +197,10 @@ class RunFile:
         return arrival.stamp
 
     def _note_status(self, status: Any) -> None:
-        counts = {
-            name.removeprefix("published/"): round(value)
-            for name, value in zip(status.names, status.values, strict=True)
-            if name.startswith("published/")
-        }
-        if counts:
+        sent = counts(PUBLISHED, numbers_of(status))
+        if sent:
             self.announced.add(status.role)
-            self.tally.announce({name: n for name, n in counts.items() if self.request.wants(name) or name in ORDERING})
+            self.tally.announce({name: n for name, n in sent.items() if self.request.wants(name) or name in ORDERING})
         if status.role == "plant" and status.phase not in GOING:
             self.ended_at = time.monotonic()
 

@@ -2,20 +2,21 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bridge.scenario import Scenario, ScenarioError
 from bridge.scenario.gains import gains
-from bridge.studies.stability.advice import WORDS, plants_of, verdict
+from bridge.studies.stability.advice import Stability, plants_of, verdict
 from bridge.studies.stability.rig_loop import (
     edge_of,
     loop_of,
     named,
     timing_of,
 )
+from controller.bands import Metrics
 from controller.law import volts_per_percent
 from controller.stability import closed, dominant, is_stable, loop_onset
 
@@ -24,8 +25,33 @@ PLACES = 15
 LONGEST = 40  # sampling periods of delay; the work grows with the cube, seconds here, minutes at 100
 
 
-def operating_point(scenario: Scenario, metrics: dict[str, Any]) -> dict[str, Any] | None:
-    """Plain data for a run's summary; None for a loop that the theory does not know, and where it is left out."""
+class PointStability(NamedTuple):
+    """The loop about one point of rest or slow motion."""
+
+    critical_gain: float  # [V/%]
+    frequency: float  # [Hz], of the oscillation that starts there
+    stable: bool  # at the gains of the run
+    swing_frequency: float  # [Hz], of the dominant motion at those
+
+
+class OperatingPoint(NamedTuple):
+    """Where a run stands among the stable gains, and what it did."""
+
+    gain: float  # [V/%]
+    sample_period: float  # [s]
+    delay: float  # [s]
+    verdict: Stability
+    points: dict[str, PointStability]  # by the name of the point: rest, up, down
+    found_frequency: float | None  # [Hz], of the run's own limit cycle; 0.0: none; None: not known
+    found_amplitude: float | None  # [m]
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return self._asdict() | {"points": {name: point._asdict() for name, point in self.points.items()}}
+
+
+def operating_point(scenario: Scenario, metrics: Metrics | None) -> OperatingPoint | None:
+    """None for a loop that the theory does not know, and where it is left out."""
     if left_out(scenario):
         return None
     try:
@@ -37,21 +63,25 @@ def operating_point(scenario: Scenario, metrics: dict[str, Any]) -> dict[str, An
     for name, point in found.items():
         loop = loop_of(point.plant(), timing)
         edge = named(loop_onset(loop, own.derivative), timing)
-        points[name] = {
-            "critical_gain": _volts(edge.gain, scenario),
-            "frequency": edge.frequency,
-            "stable": bool(is_stable(closed(loop, own.proportional, own.derivative))),
-            "swing_frequency": named(dominant(loop, own.proportional, own.derivative), timing).frequency,
-        }
-    return {
-        "gain": _volts(own.proportional, scenario),
-        "sample_period": timing.period,
-        "delay": timing.delay,
-        "verdict": verdict(points),
-        "points": points,
-        "found_frequency": metrics.get("limit_cycle_frequency"),
-        "found_amplitude": metrics.get("limit_cycle_amplitude"),
-    }
+        points[name] = PointStability(
+            critical_gain=_volts(edge.gain, scenario),
+            frequency=edge.frequency,
+            stable=bool(is_stable(closed(loop, own.proportional, own.derivative))),
+            swing_frequency=named(dominant(loop, own.proportional, own.derivative), timing).frequency,
+        )
+    return OperatingPoint(
+        gain=_volts(own.proportional, scenario),
+        sample_period=timing.period,
+        delay=timing.delay,
+        verdict=verdict([point.stable for point in points.values()]),
+        points=points,
+        found_frequency=_known(metrics.limit_cycle_frequency) if metrics else None,
+        found_amplitude=_known(metrics.limit_cycle_amplitude) if metrics else None,
+    )
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def left_out(scenario: Scenario) -> str | None:
@@ -69,16 +99,16 @@ def _periods(delay: float, period: float) -> int:
     return math.ceil(round(delay / period, 9))
 
 
-def sentences(at: dict[str, Any]) -> list[str]:
+def sentences(at: OperatingPoint) -> list[str]:
     """An operating point in words."""
-    criticals = [point["critical_gain"] for point in at["points"].values()]
-    predicted = [point["swing_frequency"] for point in at["points"].values() if not point["stable"]]
-    found = at["found_frequency"]
+    criticals = [point.critical_gain for point in at.points.values()]
+    predicted = [point.swing_frequency for point in at.points.values() if not point.stable]
     lines = [
-        f"{at['gain']:.3g} V/% at {at['sample_period'] * 1e3:g} ms and {at['delay'] * 1e3:g} ms delay; critical "
-        f"{_stretch(criticals)} V/% by the linear theory: {WORDS[at['verdict']]}"
+        f"{at.gain:.3g} V/% at {at.sample_period * 1e3:g} ms and {at.delay * 1e3:g} ms delay; critical "
+        f"{_stretch(criticals)} V/% by the linear theory: {at.verdict.words}"
     ]
-    swing = f"{found:.3g} Hz, {at['found_amplitude'] * 1e3:.3g} mm" if found else "none"
+    found, amplitude = at.found_frequency, at.found_amplitude
+    swing = f"{found:.3g} Hz, {amplitude * 1e3:.3g} mm" if found and amplitude is not None else "none"
     expected = f"{_stretch(predicted)} Hz" if predicted else "none"
     return [*lines, f"oscillation predicted: {expected}; found: {swing}"]
 
