@@ -18,7 +18,7 @@ TOLERANCE = Annotated[
 
 
 def tolerances(texts: list[str] | None) -> dict[str, str]:
-    """Signal -> what may be. Raises UsageError for what is no such pair."""
+    """Signal -> what may be. Raises UsageError for a text that is not such a pair."""
 
     pairs = [text.partition("=") for text in texts or []]
     for name, sign, value in pairs:

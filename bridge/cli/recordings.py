@@ -52,7 +52,7 @@ def export(
     file: FILE,
     csv: Annotated[bool, typer.Option("--csv", help="One CSV file per channel.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="One Parquet file per channel.")] = False,
-    mat: Annotated[bool, typer.Option("--mat", help="A MATLAB file, a structure a channel.")] = False,
+    mat: Annotated[bool, typer.Option("--mat", help="A MATLAB file, one structure per channel.")] = False,
     topics: TOPICS = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="[default: beside FILE]", show_default=False)

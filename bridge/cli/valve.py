@@ -114,7 +114,7 @@ def chart(
     """
     import numpy as np
 
-    from bridge.scenario.units import option
+    from bridge.scenario.units import interval, option
     from bridge.studies.sweep.engine import Crew
     from bridge.studies.valve.chart import draw
     from bridge.studies.valve.chatter import law_of
@@ -125,7 +125,10 @@ def chart(
         law, pilot = law_of(kind), pilot_of(_rig(scenario, changes))
         x0 = option("precompression", precompression, "m")
         s = system(law, reference(law, pilot).flow, x0, pilot)
-        q, k = (np.linspace(*_range(text, name), cells) for text, name in ((flows, "flows"), (dampings, "dampings")))
+        q, k = (
+            np.linspace(*interval(f"--{name}", text), cells)
+            for text, name in ((flows, "flows"), (dampings, "dampings"))
+        )
         output.mkdir(parents=True, exist_ok=True)
         return draw(kind, s, q, k, output / f"valve-chart-{kind}.part", Crew(workers, scheduler))
 
@@ -140,17 +143,6 @@ def _rig(scenario: str, changes: list[str] | None) -> Any:
     from bridge.scenario import load
 
     return load(scenario, changes).rig_values()
-
-
-def _range(text: str, name: str) -> tuple[float, float]:
-    low, _, high = text.partition(":")
-    try:
-        ends = float(low), float(high)
-    except ValueError:
-        raise ValueError(f"--{name} {text!r}: write LOW:HIGH, two numbers") from None
-    if not 0.0 < ends[0] < ends[1]:
-        raise ValueError(f"--{name} {text!r}: it must rise, and start above 0")
-    return ends
 
 
 def _asked(answer: Any) -> Any:

@@ -16,7 +16,7 @@ EVENTS_PER_REASON = 100  # refusals of one kind that are recorded one by one; al
 
 
 class Note(NamedTuple):
-    """What an event says beside its run and stamp."""
+    """What an event says in addition to its run and stamp."""
 
     kind: EventKind
     text: str

@@ -50,7 +50,7 @@ class Stop:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-NOTE = "hydrotwin: note: "  # how a line on standard error begins that is no failure
+NOTE = "hydrotwin: note: "  # how a line on standard error begins that is not a failure
 
 
 def prepare(fifo: bool) -> None:

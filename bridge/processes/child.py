@@ -36,7 +36,7 @@ class Child:
         return f"the {self.role} (pid {self.process.pid}) {how}" + (f": {words[-1]}" if words else "")
 
     def notes(self) -> list[str]:
-        """What it has to say that is no failure."""
+        """What it has to say that is not a failure."""
         lines = self.words.read_text(errors="replace").splitlines()
         return [f"{self.role}: {line.removeprefix(NOTE)}" for line in lines if line.startswith(NOTE)]
 

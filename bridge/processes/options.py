@@ -7,7 +7,7 @@ from bridge.wire.messages import Mode
 
 
 class RunOptions(NamedTuple):
-    """What a person chooses beside the scenario; in one process only mode and recording count."""
+    """What a person chooses in addition to the scenario; in one process only mode and recording count."""
 
     mode: Mode
     recording: Path

@@ -220,7 +220,7 @@ class PlantProcess:
             worst_late=inlet.worst_lateness / NS,
             safe_states=inlet.safe_states,
             reading=None if m is None else _reading(m, inlet.value),
-            refused=inlet.refused,
+            refused={reason.value: count for reason, count in inlet.refused.items()},
             pace=self.pace,
         )
 

@@ -35,7 +35,7 @@ def compare(
     topics: tuple[str, ...] = COMPARED,
     partly: bool = False,
 ) -> list[Difference]:
-    """Every signal that either has. `partly`: instants that only one has are no fault.
+    """Every signal that either has. `partly`: instants that only one has are not a fault.
 
     tolerances: pattern of signals -> "0.1 mm"; without one nothing may differ. Raises UsageError for wrong ones.
     """

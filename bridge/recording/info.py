@@ -124,7 +124,7 @@ def _verdict(recording: Recording) -> list[str]:
 
 def _unsummed(known: dict[str, Any]) -> list[str]:
     following = known.get("part_end", {}).get("next")
-    return [] if following else ["the run ended badly: the file says nothing of its end"]
+    return [] if following else ["the run ended badly: the file does not say how"]
 
 
 def channels(recording: Recording) -> list[ChannelInfo]:

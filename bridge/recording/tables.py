@@ -27,7 +27,7 @@ class Column(NamedTuple):
 
 
 def table(recording: Recording, topic: str) -> list[Column]:
-    """The columns of a topic, first the time it was recorded at. Raises ValueError for a topic that is none of ours."""
+    """The columns of a topic, first the time it was recorded at. Raises ValueError for a topic that is not ours."""
     if topic not in TOPICS:
         raise ValueError(f"{topic}: a type that is not known here")
     time = np.array([entry.log_time for entry in recording.of(topic)], dtype=np.float64) / NS

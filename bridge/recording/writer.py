@@ -84,7 +84,7 @@ class RecordingWriter:
         return entries
 
     def metadata(self, name: str, values: Mapping[str, Any]) -> None:
-        """Add a named record of facts about the run; values that are no text are written as JSON."""
+        """Add a named record of facts about the run; values that are not text are written as JSON."""
         texts = {key: value if isinstance(value, str) else json.dumps(value) for key, value in values.items()}
         self._writer.add_metadata(name, texts)
 

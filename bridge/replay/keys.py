@@ -14,7 +14,7 @@ LISTEN = 0.4  # seconds
 def remapped(keys: dict[str, str], rules: Iterable[str]) -> dict[str, str]:
     """Topic -> key, after rules a:=b; a is a key, the beginning of some, or a topic below the rig.
 
-    Raises UsageError for what is no rule, fits nothing, or lets two topics fall together.
+    Raises UsageError for a text that is not a rule, fits nothing, or lets two topics fall together.
     """
     found = dict(keys)
     for rule in rules:

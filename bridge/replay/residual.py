@@ -20,7 +20,7 @@ class ReplayResult(NamedTuple):
     differences: list[Difference]
     events_differ: str | None  # where the plant's events diverge; None where they do not
     output: Path
-    missing: int  # messages that the recording lacks of what is fed: what they did is no fault of what was fed
+    missing: int  # messages that the recording lacks of what is fed: their effect is not a fault of what was fed
 
     @property
     def passed(self) -> bool:

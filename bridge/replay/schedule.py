@@ -12,8 +12,6 @@ from bridge.scenario import Scenario
 from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
 
-Identity = tuple[int, int]  # source, sequence
-
 
 class Input(NamedTuple):
     """Something to hand in once the plant has reached an instant [ns]."""

@@ -52,7 +52,7 @@ CHARTS = (
 
 
 def draw_chart(chart: Chart, runs: Sequence[Run], names: Sequence[str]) -> Any:
-    """A matplotlib figure: of one run all lines in one picture; of several a picture a line, the runs in it."""
+    """A matplotlib figure: of one run all lines in one picture; of several one picture per line, the runs in it."""
     curves = chart.group.curves
     moved = tuple(curve for curve in curves if any(np.any(run.state.get(curve.field, 0.0)) for run in runs))
     group = chart.group._replace(curves=moved or curves[:1])

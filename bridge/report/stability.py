@@ -22,7 +22,7 @@ def stability_points(runs: list[Run]) -> list[OperatingPoint | None]:
 
 
 def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
-    """A matplotlib figure: edges of the first run that has any, and a dot a run; None without one."""
+    """A matplotlib figure: edges of the first run that has any, and one dot per run; None without a run."""
     known = [(run, point) for run, point in zip(runs, points, strict=True) if point is not None]
     if not known:
         return None
@@ -50,7 +50,7 @@ def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
 
 
 def words(runs: list[Run], names: list[str], points: list[OperatingPoint | None]) -> str:
-    """A paragraph a run."""
+    """One paragraph per run."""
     parts = []
     for run, name, point in zip(runs, names, points, strict=True):
         lines = sentences(point) if point is not None else list(filter(None, [left_out(run.scenario)]))

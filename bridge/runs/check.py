@@ -74,7 +74,7 @@ def _renamed(outcome: Outcome, path: Path) -> Path | None:
 
 
 def junit_xml(results: list[CheckResult]) -> str:
-    """The results as JUnit XML, one test case a band."""
+    """The results as JUnit XML, one test case per band."""
     suites = ET.Element("testsuites", name="hydrotwin check")
     for result in results:
         cases = [(v.text, None if v.passed else f"found {v.found}") for v in result.verdicts]

@@ -17,7 +17,7 @@ from controller.grid import NS
 
 Row = Callable[[Any, Any, Any, Scenario], None]  # axis, time, state, scenario
 MOST_POINTS = 20_000
-LEAST_VAPOUR = 1e-8  # [m^3], less is no cavity to look at
+LEAST_VAPOUR = 1e-8  # [m^3], less is not worth a row
 
 
 def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
@@ -108,7 +108,7 @@ def _vapour(axis: Any, time: Any, state: Any, _: Scenario) -> None:
     axis.set_ylim(bottom=0.0)
 
 
-HEIGHTS = {_relief: 1.5, _vapour: 1.2}  # [inch], of what is no plain row
+HEIGHTS = {_relief: 1.5, _vapour: 1.2}  # [inch], of rows that are not of the common height
 
 
 def _lateness(axis: Any, timing: Any) -> None:

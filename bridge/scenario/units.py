@@ -86,6 +86,20 @@ def quantity(value: object, unit: str) -> float:
     return number * known[written].factor + known[written].offset
 
 
+def interval(name: str, text: str, above: bool = True) -> tuple[float, float]:
+    """The ends of LOW:HIGH, rising, from above 0 or from 0 on. Raises ValueError naming who asked."""
+    low, _, high = text.partition(":")
+    try:
+        ends = float(low), float(high)
+    except ValueError:
+        ends = math.nan, math.nan
+    if not all(map(math.isfinite, ends)):
+        raise ValueError(f"{name} {text!r}: write LOW:HIGH, two numbers")
+    if not 0.0 <= ends[0] < ends[1] or (above and ends[0] == 0.0):
+        raise ValueError(f"{name} {text!r}: it must rise, and start {'above 0' if above else 'at 0 or more'}")
+    return ends
+
+
 def option(name: str, text: str, unit: str, least: float = -math.inf, above: float = -math.inf) -> float:
     """The value of a command's option in SI. Raises UsageError naming the option and what it takes."""
     try:

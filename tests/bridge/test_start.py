@@ -26,7 +26,14 @@ HOT = (
 )  # numba has scipy itself
 LISTS = (
     *("bridge.wire.messages", "bridge.wire.link", "bridge.scenario", "bridge.scenario.bands", "bridge.errors"),
-    *("bridge.figures.catalogue", "bridge.cli.verbs", "bridge.cli.printing", "bridge.cli.tables"),
+    *(
+        "bridge.recording.summary",
+        "bridge.wire.status",
+        "bridge.figures.catalogue",
+        "bridge.cli.verbs",
+        "bridge.cli.printing",
+        "bridge.cli.tables",
+    ),
     *("twin.topology", "twin.rig", "controller.bands", "controller.law", "controller.grid", "controller.hold"),
 )
 PROCESSES = {

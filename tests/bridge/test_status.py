@@ -47,4 +47,4 @@ def test_a_status_comes_back_from_its_message():
 def test_a_foreign_plant_may_say_less_or_nonsense():
     assert plant_status(message({"tick": 7.0})) == PlantStatus(7, 0)
     assert plant_status(message({"tick": math.nan, "p1": 1e5})) == PlantStatus(0, 0)
-    assert plant_status(message({"overruns": 1.0})).pace == Pace(1, 0.0, 0, 0.0, -1.0)
+    assert PlantStatus.from_plain({"overruns": 1.0}).pace == Pace(1, 0.0, 0, 0.0, -1.0)

@@ -73,7 +73,7 @@ def draw_computed() -> tuple[Columns, Sheet]:
 
 
 def measured(intervals: Sequence[float], sizes: Sequence[float], scenario: Scenario, crew: Crew = ALL_CORES) -> Columns:
-    """Where the twin never, and where it always oscillates [V/%], and how fast [Hz]; an interval a row."""
+    """Where the twin never, and where it always oscillates [V/%], and how fast [Hz]; one interval per row."""
     points = edge_points(intervals, sizes=sizes, tolerance=0.03)
     found = measured_edges(scenario, points, "figure 5.21", crew=crew)
     rows = [found[k : k + len(sizes)] for k in range(0, len(found), len(sizes))]

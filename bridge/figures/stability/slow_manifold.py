@@ -2,7 +2,7 @@
 
 Source: 5.3.1, with alpha 0.01, k 0.5, gamma 0.5, s 10 of Fig. 5.4. Left the two sheets (5.17), one for each position of
 the relay, and runs of the whole actuator with the relay held. Right the relay loop with pressures on the manifold,
-beside the whole loop, at a d below and one above d_H.
+compared with the whole loop, at a d below and one above d_H.
 """
 
 from typing import Any

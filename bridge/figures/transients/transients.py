@@ -56,7 +56,7 @@ def draw_experiment() -> tuple[Columns, Sheet]:
 
 
 def _name_events(axes: Axes) -> None:
-    """What happens, beside the piston's way at full speed."""
+    """What happens, compared with the piston's way at full speed."""
     for time, place, words, side in (
         (0.97, 118.0, "up, 120 kg", "right"),
         (1.16, 138.0, "183 kg join at 138 mm", "left"),

@@ -59,7 +59,7 @@ class Parts:
             self.writer.flush()
 
     def cut(self) -> None:
-        """End this file; the run goes on in the next one."""
+        """End this file; the run continues in the next one."""
         if self.writer is not None:
             following = self._path.with_stem(f"{self._path.stem}-part{len(self.paths) + 1}").name
             self.writer.metadata("part_end", {"number": len(self.paths), "next": following})

@@ -87,7 +87,7 @@ class RunFile:
             return False
 
     def take(self, arrival: Arrival) -> None:
-        """Write a message, or keep it until its place has come; what is no message of this run is counted."""
+        """Write a message, or keep it until its place has come; what is not a message of this run is counted."""
         try:
             message = decode(arrival.payload, arrival.topic)
             log_time, sequence = self._place(arrival, message)

@@ -1,4 +1,4 @@
-"""Why the twin parts from its linear theory: each cause can be taken away, or be the only one that is left.
+"""Why the twin and its linear theory disagree: each cause can be taken away, or be the only one that is left.
 
 With all of them away the twin is a spool without overlap between a constant supply and a frictionless cylinder of
 equal areas on lumped lines, read by a card that rounds nothing: what the theory describes, but for the square root in

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from bridge.errors import nearest
 from bridge.scenario import load
+from bridge.scenario.units import interval
 from bridge.studies.stability.actuator_runs import OWN, actuator_runs
 from bridge.studies.stability.chart import (
     AXES,
@@ -91,21 +92,16 @@ def span(axis: str, text: str | None, family: Family, cells: int) -> NDArray[np.
     if axis not in AXES:
         raise ValueError(f"axis {axis!r} is unknown{nearest(axis, AXES)}")
     if text is not None:
-        low, _, high = text.partition(":")
-        try:
-            low_end, high_end = float(low), float(high)
-        except ValueError:
-            raise ValueError(f"range {text!r} of {axis}: write LOW:HIGH, two numbers") from None
+        ends = interval(f"range of {axis}", text, above=axis == "period")
     elif isinstance(family, OfRig):
         own = family.numbers[axis] or LEAST.get(axis, 0.0)
         around = AROUND.get(axis)
-        low_end, high_end = (own * around[0], own * around[1]) if around else DAMPINGS
+        ends = (own * around[0], own * around[1]) if around else DAMPINGS
     else:
-        low_end, high_end = RANGES[axis]
-    if not 0.0 <= low_end < high_end or (axis == "period" and low_end == 0.0):
-        least = "above 0" if axis == "period" else "at 0 or more"
-        raise ValueError(f"range {low_end:g} to {high_end:g} of {axis}: it must rise, and start {least}")
-    return np.linspace(low_end, high_end, cells)
+        ends = RANGES[axis]
+    if not 0.0 <= ends[0] < ends[1]:
+        raise ValueError(f"range {ends[0]:g} to {ends[1]:g} of {axis}: it must rise, and start at 0 or more")
+    return np.linspace(*ends, cells)
 
 
 def inner(values: NDArray[np.float64], count: int) -> list[float]:

@@ -85,7 +85,7 @@ def _known(value: float) -> float | None:
 
 
 def left_out(scenario: Scenario) -> str | None:
-    """Why a run is not set against the theory, in words; None where nothing is in the way of that."""
+    """Why a run is not compared with the theory, in words; None for a run that is."""
     timing = timing_of(scenario)
     if scenario.controller.law != "pd" or _periods(timing.delay, timing.period) <= LONGEST:
         return None

@@ -21,7 +21,7 @@ from twin.circuit.block import Compiled, compiled, run_block
 from twin.topology import CHANNELS, OBSERVED
 
 ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
-DENSEST = 5_000_000  # [ns], between rows of a trace where samples are no closer
+DENSEST = 5_000_000  # [ns], between rows of a trace, unless samples are closer
 
 WATCHED = [list(OBSERVED).index(name) for name in ("position", "spool")]  # of a trace, beside its time
 

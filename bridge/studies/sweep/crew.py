@@ -1,4 +1,4 @@
-"""Who computes the points of a sweep: this process, a process a core, or the workers of a Dask cluster."""
+"""Who computes the points of a sweep: this process, one process per core, or the workers of a Dask cluster."""
 
 import multiprocessing
 import os

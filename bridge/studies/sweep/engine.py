@@ -66,7 +66,7 @@ def _identity(task: Task, about: Mapping[str, Any]) -> dict[str, Any]:
 
 @contextmanager
 def _progress(title: str, total: int, done: int) -> Iterator[Any]:
-    """A bar on standard error; a line now and then where that is no terminal."""
+    """A bar on standard error; a line now and then where that is not a terminal."""
     if sys.stderr.isatty():
         columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
         with Progress(*columns, console=Console(stderr=True), transient=True) as bar:

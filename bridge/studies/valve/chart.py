@@ -27,7 +27,7 @@ def row(point: Point, s: System, flows: tuple[float, ...]) -> Result:
 
 
 def rows(s: System, flows: np.ndarray, dampings: np.ndarray, part: Path, crew: Crew) -> tuple[np.ndarray, np.ndarray]:
-    """All rows, (dampings, flows) each; `part` keeps those found until all are, and an interrupted chart goes on."""
+    """All rows, (dampings, flows) each; `part` keeps those found until all are, and an interrupted chart continues."""
     places = tuple(float(q) for q in flows)
     about = {"title": "chart of a valve", "system": [str(value) for value in s], "flows": places}
     points = [{"damping": float(k)} for k in dampings]
