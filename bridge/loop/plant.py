@@ -16,7 +16,7 @@ from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
 from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap
 from controller.grid import NS, last_due
-from twin.circuit.block import compiled, run_block
+from twin.circuit.block import block_of, compiled
 from twin.topology import CHANNELS, OBSERVED, PRESSURES
 
 
@@ -33,6 +33,7 @@ class PlantSide:
         self.published: dict[str, int] = {}
         self._viewer_ticks = max(1, round(loop.viewer_period * NS / self.grid.daq))
         self._circuit = compiled(circuit_of(scenario))
+        self._block = block_of(self._circuit)
         self._state = rest_of(scenario)
         self._acquisition = Acquisition(scenario)
         self._observed = np.zeros(len(OBSERVED))
@@ -90,7 +91,7 @@ class PlantSide:
         return self._drain()
 
     def _run(self, reference: float, steps: int) -> None:
-        run_block(self._state, reference, *self._circuit, steps, self._acquisition.taps, self._observed)
+        self._block(self._state, reference, steps, self._acquisition.taps, self._observed)
 
     def _count(self, topic: str) -> int:
         sequence = self.published.get(topic, 0)

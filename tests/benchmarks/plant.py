@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.circuit.block import buffers, compiled, run_block
+from twin.circuit.block import block_of, buffers, compiled
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import MEMORY_AT, ends_of, flatten
@@ -32,11 +32,12 @@ RUNS = 40  # short ones, of which the best counts
 
 
 class Plant:
-    """The rig with some values changed, at rest, and what `run_block` needs."""
+    """The rig with some values changed, at rest, and what a block needs."""
 
     def __init__(self, step: float, **changes: dict[str, str | float]) -> None:
         circuit = build(values(changes), step)
         self.circuit, self.compiled = circuit, compiled(circuit)
+        self.run = block_of(self.compiled)
         self.state = flatten(equilibrium(circuit, 0.13))
         self.taps, self.seen = buffers()
         self.steps = round(BLOCK / step)
@@ -44,7 +45,7 @@ class Plant:
 
     def advance(self, spool: float) -> None:
         """A block."""
-        run_block(self.state, spool, *self.compiled, self.steps, self.taps, self.seen)
+        self.run(self.state, spool, self.steps, self.taps, self.seen)
 
 
 @kernel
@@ -82,10 +83,10 @@ def lines_per_step(plant: Plant, steps: int = 10_000) -> float:
 
 
 def call_per_step(plant: Plant, calls: int = 2000) -> float:
-    """Seconds a step of a call without one, numba's look at its arguments and what is observed, shared by a block."""
+    """Seconds a step of a call without one, its arguments unpacked and what is observed, shared by a block."""
     start = time.perf_counter()
     for _ in range(calls):
-        run_block(plant.state, 0.0, *plant.compiled, 0, plant.taps, plant.seen)
+        plant.run(plant.state, 0.0, 0, plant.taps, plant.seen)
     return (time.perf_counter() - start) / calls / plant.steps
 
 

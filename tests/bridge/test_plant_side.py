@@ -12,7 +12,7 @@ from bridge.scenario import load
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.codec import ValveCommand, encode
 from controller.grid import NS
-from twin.circuit.block import buffers, compiled, run_block
+from twin.circuit.block import block_of, buffers, compiled
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten, flows, oil_in, pressures, unflatten
 from twin.rig import RIG
@@ -52,8 +52,8 @@ def test_a_command_acts_at_its_own_instant_inside_a_block():
     scenario = side.scenario
     circuit = circuit_of(scenario)
     state, (taps, seen) = flatten(equilibrium(circuit, scenario.start.position)), buffers()
-    run_block(state, 0.0, *compiled(circuit), 7, taps, seen)
-    run_block(state, 0.8, *compiled(circuit), 13, taps, seen)
+    block_of(compiled(circuit))(state, 0.0, 7, taps, seen)
+    block_of(compiled(circuit))(state, 0.8, 13, taps, seen)
     assert np.array_equal(state, side._state)
     assert np.array_equal(taps, side._acquisition.taps)
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.circuit.block import advance, buffers, compiled, run_block
+from twin.circuit.block import advance, block_of, buffers, compiled
 from twin.circuit.build import build
 from twin.circuit.state import (
     State,
@@ -44,18 +44,18 @@ def run(s: State, reference: float, c: Circuit, seconds: float) -> State:
 
 def states(s: State, reference: float, c: Circuit, seconds: float, every: int = 1) -> Iterator[State]:
     """The states after each `every` steps."""
-    flat, view, taps, seen = flatten(s), compiled(c), *buffers()
+    flat, run, taps, seen = flatten(s), block_of(compiled(c)), *buffers()
     for _ in range(round(seconds / (every * c.parts.step))):
-        run_block(flat, reference, *view, every, taps, seen)
+        run(flat, reference, every, taps, seen)
         yield unflatten(flat)
 
 
 def watched(s: State, reference: float, c: Circuit, seconds: float, every: int = 1) -> tuple[dict[str, Array], State]:
     """What can be OBSERVED after each `every` steps, a column each, and the state at the end."""
-    flat, view, taps = flatten(s), compiled(c), buffers()[0]
+    flat, run, taps = flatten(s), block_of(compiled(c)), buffers()[0]
     seen = np.zeros((round(seconds / (every * c.parts.step)), len(OBSERVED)))
     for row in seen:
-        run_block(flat, reference, *view, every, taps, row)
+        run(flat, reference, every, taps, row)
     return dict(zip(OBSERVED, seen.T, strict=True)), unflatten(flat)
 
 

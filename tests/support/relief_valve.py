@@ -51,16 +51,16 @@ SHEET = {
     "spool_discharge": 0.61,
     "damping_length": 0.01,
     "rest_speed": 1e-4,
-    "pilot_seat": 0.0,
+    "pilot_seat": "chamfered",
     "seat_length": 3.21e-3,
     "film_floor": 5e-6,
     "channel_volume": 0.0,
 }
 
 
-def valve(**numbers: float) -> Relief:
+def valve(**numbers: float | str) -> Relief:
     """The rig's valve with some numbers in place of its own."""
-    return relief(SHEET_OIL, **(SHEET | numbers))
+    return relief(SHEET | numbers, SHEET_OIL)
 
 
 @allocating_kernel

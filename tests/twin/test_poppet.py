@@ -7,17 +7,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.relief_valve import BAR, valve
-from twin.relief.poppet import cracking_pressure, gape
+from twin.relief.chamfered_seat import ChamferedSeat
+from twin.relief.poppet import cracking_pressure, pilot_opening
 from twin.seats.frustum import frustum_area
 
 PILOT = valve().pilot
+SEAT = PILOT.seat
 RHO = 878.0
 
 
 @pytest.mark.parametrize(("lift_mm", "zeta"), [(0.2, 786.12), (0.3, 309.37), (0.4, 159.63), (0.5, 95.55)])
 def test_the_loss_coefficients_are_those_of_table_2_2(lift_mm: float, zeta: float):
     """Q = A_in sqrt(2 p/(rho zeta)), (2.25)."""
-    conductance, _ = gape(lift_mm * 1e-3, PILOT)
+    conductance, _ = pilot_opening(lift_mm * 1e-3, PILOT)
     assert 2.0 * (PILOT.area / conductance) ** 2 / RHO == pytest.approx(zeta, abs=0.005)
 
 
@@ -48,13 +50,14 @@ def test_the_area_is_that_of_the_shortest_frustum(lift: float, angle: float):
 @given(st.floats(1e-9, 3e-3), st.floats(0.0, 4e7))
 def test_the_fluid_force_is_pressure_and_momentum(lift: float, p2: float):
     """(2.33), (2.34): A_in p2 + rho Q^2 (1/A_in - cos a/A_pl)."""
-    conductance, area = gape(lift, PILOT)
+    conductance, area = pilot_opening(lift, PILOT)
     flow = conductance * math.sqrt(p2)
-    seat = frustum_area(lift, PILOT.diameter, PILOT.sine, PILOT.cosine)
-    momentum = RHO * flow**2 * (1.0 / PILOT.area - PILOT.cosine / seat)
+    assert isinstance(SEAT, ChamferedSeat)
+    seat = frustum_area(lift, SEAT.diameter, SEAT.sine, SEAT.cosine)
+    momentum = RHO * flow**2 * (1.0 / PILOT.area - SEAT.cosine / seat)
     assert area * p2 == pytest.approx(PILOT.area * p2 + momentum, rel=1e-12, abs=1e-12)
 
 
 def test_a_shut_seat_passes_nothing_and_feels_p2_on_its_bore():
-    assert gape(0.0, PILOT) == (0.0, PILOT.area)
-    assert gape(1e-12, PILOT)[1] == pytest.approx(PILOT.area, rel=1e-9)
+    assert pilot_opening(0.0, PILOT) == (0.0, PILOT.area)
+    assert pilot_opening(1e-12, PILOT)[1] == pytest.approx(PILOT.area, rel=1e-9)

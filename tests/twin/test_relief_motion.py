@@ -23,7 +23,7 @@ from twin.contact import Stops
 from twin.relief.main_stage import mouth, spool_drag, spool_spring
 from twin.relief.motion import FINEST, fly
 from twin.relief.network import drop, pilot_node
-from twin.relief.poppet import gape, spring_force
+from twin.relief.poppet import pilot_opening, spring_force
 from twin.relief.steady import precompression_for, rest, steady_pressure
 from twin.relief.valve import SHUT, Relief, ReliefState
 
@@ -43,7 +43,7 @@ def varied(powers: list[float]) -> Relief:
 
 def network(s: ReliefState, c: float, z: float, v: Relief) -> tuple[float, float, float]:
     """(Q, p, p2) of a state by brackets alone."""
-    o, conductance, k = v.orifices, gape(s.pilot_lift, v.pilot)[0], mouth(s.spool_lift, v.main).conductance
+    o, conductance, k = v.orifices, pilot_opening(s.pilot_lift, v.pilot)[0], mouth(s.spool_lift, v.main).conductance
     pushed = v.main.area * s.spool_velocity - v.pilot.area * s.pilot_velocity
 
     def total(p: float) -> float:
@@ -60,7 +60,11 @@ def rates(state: np.ndarray, c: float, z: float, v: Relief) -> np.ndarray:
     s = ReliefState(*state)
     _, p, p2 = network(s, c, z, v)
     p3 = p2 + drop(v.main.area * s.spool_velocity, v.orifices.a_3, v.orifices.b_3)
-    pilot = gape(s.pilot_lift, v.pilot)[1] * p2 - spring_force(s.pilot_lift, v.pilot) - v.pilot.drag * s.pilot_velocity
+    pilot = (
+        pilot_opening(s.pilot_lift, v.pilot)[1] * p2
+        - spring_force(s.pilot_lift, v.pilot)
+        - v.pilot.drag * s.pilot_velocity
+    )
     spool = mouth(s.spool_lift, v.main).area * p - v.main.area * p3 - spool_spring(s.spool_lift, v.main)
     spool -= spool_drag(math.sqrt(p), v.main) * s.spool_velocity
     return np.array([s.pilot_velocity, pilot / v.pilot.mass, s.spool_velocity, spool / v.main.mass])

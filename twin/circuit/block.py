@@ -3,8 +3,9 @@
 numba checks an argument of a hundred floats for microseconds on every call; an array costs next to nothing.
 """
 
-from functools import cache
-from typing import Any, NamedTuple, get_type_hints
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from twin.circuit.state import (
 )
 from twin.circuit.step import PUMP, TEE_2, Circuit, Core, Ends, Parts, seal_force, step_once
 from twin.cylinder import chamber_cavities
-from twin.kernel import INTERPRETED, inlined, kernel
+from twin.kernel import INTERPRETED, entry, field_names, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
 from twin.load import carried_mass
 from twin.topology import CHAMBERS, CHANNELS, END_OF, ENDS, FLOWS, LINES, OBSERVED, PLACES, PORTS, cavity
@@ -67,18 +68,23 @@ class Compiled(NamedTuple):
 
 def record(parameters: tuple[Any, ...]) -> NDArray[Any]:
     """A nested NamedTuple of floats as a structured array of length 1, which kernels read by the same names."""
-    return np.array([_plain(parameters)], dtype=_dtype(type(parameters)))
+    return np.array([_plain(parameters)], dtype=_dtype(_kinds(parameters)))
 
 
 def _plain(value: tuple[Any, ...]) -> tuple[Any, ...]:
-    return tuple(_plain(entry) if isinstance(entry, tuple) else entry for entry in value)
+    return tuple(_plain(entry) if isinstance(entry, tuple) else entry for entry in value) or (0.0,)
+
+
+def _kinds(value: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The class of a nested NamedTuple, then those of its entries: what is fitted."""
+    return type(value), *(_kinds(entry) if isinstance(entry, tuple) else float for entry in value)
 
 
 @cache
-def _dtype(kind: type) -> np.dtype[Any]:
-    """One object for each class: numba compares others field by field at every call."""
-    hints = get_type_hints(kind).items()
-    fields = np.dtype([(name, "f8" if entry is float else _dtype(entry)) for name, entry in hints])
+def _dtype(kinds: tuple[Any, ...]) -> np.dtype[Any]:
+    """One object for each structure: numba compares others field by field at every call."""
+    entries = [_dtype(kind) if isinstance(kind, tuple) else np.dtype(float) for kind in kinds[1:]] or [np.dtype(float)]
+    fields = np.dtype(list(zip(field_names(kinds[0]), entries, strict=True)))
     return np.dtype((np.record, fields)) if INTERPRETED else fields  # Python reads no names of a plain record
 
 
@@ -88,17 +94,26 @@ def compiled(circuit: Circuit) -> Compiled:
 
 
 def buffers() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What `run_block` fills: taps, shape (2, channels), and the observed quantities."""
+    """What a block fills: taps, shape (2, channels), and the observed quantities."""
     return np.zeros((2, len(CHANNELS))), np.zeros(len(OBSERVED))
 
 
-@kernel
-def run_block(state, reference: float, parts, whole, numbers, steps: int, taps, seen) -> None:
-    """Advance a flat state in place by `steps` under a constant spool reference.
+Block = Callable[[NDArray[np.float64], float, int, NDArray[np.float64], NDArray[np.float64]], None]
 
-    parts, whole, numbers: of `Compiled`. taps, seen: of `buffers`; filled with what the CHANNELS touch, a step before
-    the end and at the end, and with the OBSERVED quantities at the end.
+
+def block_of(plant: Compiled) -> Block:
+    """A function (state, reference, steps, taps, seen) that advances a flat state in place.
+
+    reference: of the spool, constant over the `steps`. taps, seen: of `buffers`; filled with what the CHANNELS touch, a
+    step before the end and at the end, and with the OBSERVED quantities at the end. All arrays contiguous.
     """
+    taps, seen = buffers()
+    return partial(entry(_run_block, *plant, np.zeros(MEMORY_AT), 0.0, 1, taps, seen), *plant)
+
+
+@kernel
+def _run_block(parts, whole, numbers, state, reference: float, steps: int, taps, seen) -> None:
+    """As `block_of` says; parts, whole, numbers: of `Compiled`."""
     c, lines, s, ends, memory = parts[0], unpacked(whole, numbers), load(state), ends_of(state), state[MEMORY_AT:]
     for i in range(steps):
         if i == steps - 1:
@@ -149,12 +164,12 @@ def observe(state, s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> N
 def advance(state: State, reference: float, circuit: Circuit, steps: int) -> State:
     """The state `steps` steps later under a constant spool reference (-1..1)."""
     flat = flatten(state)
-    run_block(flat, reference, *compiled(circuit), steps, *buffers())
+    block_of(compiled(circuit))(flat, reference, steps, *buffers())
     return unflatten(flat)
 
 
 def observed(state: State, circuit: Circuit) -> dict[str, float]:
     """The OBSERVED quantities of a state, by name."""
     taps, seen = buffers()
-    run_block(flatten(state), 0.0, *compiled(circuit), 0, taps, seen)
+    block_of(compiled(circuit))(flatten(state), 0.0, 0, taps, seen)
     return dict(zip(OBSERVED, seen.tolist(), strict=True))

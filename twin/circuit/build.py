@@ -79,17 +79,16 @@ def _pump(pump: Entries) -> Pump:
 
 def _relief(valve: Entries, oil: Oil) -> Relief:
     """The valve whose pilot spring is precompressed for its setting."""
-    sizes = relief_sizes(valve)
+    unset = relief(relief_sizes(valve, 0.0), oil)
     if valve["kind"] == "none":
-        return relief(oil, pilot_precompression=0.0, **sizes)
-    unset = relief(oil, pilot_precompression=0.0, **sizes)
-    return relief(oil, pilot_precompression=precompression_for(valve["setting"], valve["setting_flow"], unset), **sizes)
+        return unset
+    return relief(relief_sizes(valve, precompression_for(valve["setting"], valve["setting_flow"], unset)), oil)
 
 
-def relief_sizes(valve: Entries) -> dict[str, float]:
-    """What `relief` takes of a rig's numbers, but for the precompression."""
+def relief_sizes(valve: Entries, precompression: float) -> dict[str, Any]:
+    """What `relief` takes: a rig's numbers, but for the setting, and the precompression [m] of the pilot spring."""
     sizes = {name: value for name, value in valve.items() if name not in ("kind", "setting", "setting_flow")}
-    return sizes | {"pilot_seat": float(valve["pilot_seat"] == "conical")}
+    return sizes | {"pilot_precompression": precompression}
 
 
 def _fitting(strainer: Entries, two_position: Entries) -> Fitting:

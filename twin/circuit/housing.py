@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
-from twin.circuit.block import HELD, buffers, compiled, run_block
+from twin.circuit.block import HELD, block_of, buffers, compiled
 from twin.circuit.state import State, flatten, place_of
 from twin.circuit.step import Circuit
 from twin.relief.network import Relief
@@ -40,11 +40,11 @@ class Shaken(NamedTuple):
 
 def shake(state: State, circuit: Circuit, seconds: float, settle: float = 0.0) -> Shaken:
     """The rig with its directional valve at rest, from a state; the first `settle` seconds are not kept."""
-    plant, flat, into, step = compiled(circuit), flatten(state), buffers(), circuit.parts.step
-    run_block(flat, 0.0, *plant, round(settle / step), *into)
+    run, flat, into, step = block_of(compiled(circuit)), flatten(state), buffers(), circuit.parts.step
+    run(flat, 0.0, round(settle / step), *into)
     rows = np.empty((round(seconds / step), len(SHAKEN)))
     for row in rows:
-        run_block(flat, 0.0, *plant, 1, *into)
+        run(flat, 0.0, 1, *into)
         row[:] = flat[list(SHAKEN)]
     return Shaken(step, *rows.T)
 

@@ -26,7 +26,7 @@ from twin.oil import Oil
 from twin.port import Port, cavity, joined, pressure, with_cavity
 from twin.pump import Pump, pumped_oil, ripple_flow, speed_ratio
 from twin.relief.motion import Motion
-from twin.relief.valve import Relief, go_on
+from twin.relief.valve import Relief, step_valve
 from twin.seal import Seal, friction, friction_limit, slide
 from twin.spool_valve import SpoolValve, closed_centre_lands, move_spool
 from twin.switching_valve import SwitchingValve, switch_spool, tandem_lands
@@ -172,7 +172,7 @@ def relief_side(relief: Motion, before: float, ends: Ends, parts: Parts) -> tupl
     """The relief valve at its tee, and the pressure the tee would have without it; before: that of the last instant."""
     port, behind = relief_tee(ends, parts)
     if parts.fitted.relief == 1.0:
-        relief, _ = go_on(relief, before, port.free, port.impedance, parts.relief, parts.step)
+        relief, _ = step_valve(relief, before, port.free, port.impedance, parts.relief, parts.step)
     p = deliver(TEE_1, port, -relief.flow, ends, parts)
     deliver(TEE_2, port_at(TEE_2, ends, parts.step), (p - behind.free) / behind.impedance, ends, parts)
     return relief, port.free

@@ -8,12 +8,12 @@ import math
 from typing import NamedTuple
 
 from twin.kernel import kernel
+from twin.relief.seat import is_laminar, laminar_conductance, pressure_stiffness, seat_damping, seat_flow
 
 
 class LongSeat(NamedTuple):
-    """Housing, oil, and whether there is one."""
+    """Housing and oil."""
 
-    fitted: float  # 1.0: the poppet has this seat; 0.0: the chamfered one
     radius: float  # r_2 [m]
     length: float  # L [m]
     viscosity: float  # mu [Pa s]
@@ -59,3 +59,28 @@ def long_damping(lift: float, seat: LongSeat) -> float:
     film = 12.0 * seat.viscosity / (H**3 * sine) * (inflow * by_log - math.pi * (parabola - line))
     mean = seat.radius - H * seat.cosine + 0.5 * L * sine
     return film + 2.0 * math.pi * seat.viscosity * mean * L * seat.cosine**2 / H
+
+
+@seat_flow.register
+def _(seat: LongSeat, lift: float) -> tuple[float, float]:
+    return 0.0, long_area(lift, seat)
+
+
+@laminar_conductance.register
+def _(seat: LongSeat, lift: float) -> float:
+    return long_conductance(lift, seat) if lift > 0.0 else 0.0
+
+
+@is_laminar.register
+def _(seat: LongSeat) -> bool:
+    return True
+
+
+@seat_damping.register
+def _(seat: LongSeat, lift: float, spring: float) -> float:
+    return spring + long_damping(lift, seat)
+
+
+@pressure_stiffness.register
+def _(seat: LongSeat, stiff_12: float, y: float, lift: float, conductance: float, area: float) -> float:
+    return 0.0  # its film damps what the oil would swing

@@ -5,10 +5,11 @@ source. Lift x >= 0 from the seat, pressures gauge, tank at zero.
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from twin.contact import Stops
-from twin.kernel import kernel
+from twin.kernel import inlined
 from twin.oil import Oil
 from twin.seats.frustum import frustum_area
 
@@ -30,35 +31,23 @@ class MainStage(NamedTuple):
     stops: Stops  # seat and upper stop
 
 
-def main_stage(
-    oil: Oil,
-    *,
-    mass: float,
-    stiffness: float,
-    precompression: float,
-    diameter: float,
-    angle: float,
-    length: float,
-    gap: float,
-    discharge: float,
-    damping_length: float,
-    stops: Stops,
-) -> MainStage:
-    """The spool of these numbers; length and gap [m] of its oil film, damping_length L of (2.31), angle [rad]."""
+def main_stage(sizes: Mapping[str, Any], oil: Oil) -> MainStage:
+    """The spool of a rig's numbers for its relief valve (SI)."""
+    diameter, angle, discharge = sizes["spool_diameter"], sizes["spool_angle"], sizes["spool_discharge"]
     area, girth = math.pi / 4.0 * diameter**2, math.pi * diameter
     return MainStage(
-        mass=mass,
-        stiffness=stiffness,
-        preload=stiffness * precompression,
-        film=girth * length * oil.density * oil.viscosity / gap,
-        surge=discharge * damping_length * girth * math.sin(angle) * math.sqrt(2.0 * oil.density),
+        mass=sizes["spool_mass"],
+        stiffness=sizes["spool_stiffness"],
+        preload=sizes["spool_stiffness"] * sizes["spool_precompression"],
+        film=girth * sizes["spool_length"] * oil.density * oil.viscosity / sizes["spool_gap"],
+        surge=discharge * sizes["damping_length"] * girth * math.sin(angle) * math.sqrt(2.0 * oil.density),
         diameter=diameter,
         area=area,
         sine=math.sin(angle),
         cosine=math.cos(angle),
         jet=discharge * math.sqrt(2.0 / oil.density),
         momentum=2.0 * discharge**2 / area,
-        stops=stops,
+        stops=Stops(sizes["spool_travel"], sizes["spool_restitution"], sizes["rest_speed"]),
     )
 
 
@@ -71,7 +60,7 @@ class Mouth(NamedTuple):
     area_slope: float  # [m]
 
 
-@kernel
+@inlined
 def mouth(lift: float, main: MainStage) -> Mouth:
     """Flow and lifting area, A (1 + 2 Cd^2 a (a - cos th)) with a = A_out/A, and their slopes; shut below zero."""
     if lift <= 0.0:
@@ -87,13 +76,13 @@ def mouth(lift: float, main: MainStage) -> Mouth:
     )
 
 
-@kernel
+@inlined
 def spool_spring(lift: float, main: MainStage) -> float:
     """Force of the spring towards the seat [N]."""
     return main.preload + main.stiffness * lift
 
 
-@kernel
+@inlined
 def spool_drag(root: float, main: MainStage) -> float:
     """K [N s/m] of film and transient flow force, root = sqrt(p) [sqrt(Pa)]."""
     return main.film + main.surge * root

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from twin.contact import Stops, held, travel
 from twin.kernel import inlined
+from twin.relief.channel import absorbed_per_pressure, is_compressible
 from twin.relief.network import (
     End,
     Poise,
@@ -18,12 +19,8 @@ from twin.relief.network import (
     meet,
     pilot_node,
 )
-from twin.relief.poppet import (
-    gape,
-    poppet_drag,
-    seep,
-    spring_force,
-)
+from twin.relief.poppet import pilot_opening, poppet_drag, spring_force
+from twin.relief.seat import is_laminar, laminar_conductance, pressure_stiffness
 
 FINEST = 6.25e-6  # [s], shortest substep
 SHARE, LEAST = 0.2, 1e-6  # of its lift, and [m]: how far a substep may move the poppet
@@ -60,10 +57,9 @@ def borne(force: float, lift: float, velocity: float, stops: Stops) -> float:
 def begin(s: ReliefState, p: float, flow: float, valve: Relief) -> Motion:
     """Forces of a state at an inlet pressure, in closed form, the pressure before the pilot seat at rest."""
     pilot, o = valve.pilot, valve.orifices
-    conductance, area = gape(s.pilot_lift, pilot)
+    conductance, area = pilot_opening(s.pilot_lift, pilot)
     pushed = valve.main.area * s.spool_velocity - pilot.area * s.pilot_velocity
-    seeping = seep(s.pilot_lift, pilot)
-    y = pilot_node(p, pushed, conductance, o, seeping)
+    y = pilot_node(p, pushed, conductance, o, laminar_conductance(pilot.seat, s.pilot_lift))
     p2 = y * abs(y) if conductance > 0.0 else y
     force = area * p2 - spring_force(s.pilot_lift, pilot) - poppet_drag(s.pilot_lift, pilot) * s.pilot_velocity
     oil = oil_stiffness(y, s.pilot_lift, conductance, area, conductance * y - pushed, valve)
@@ -74,8 +70,7 @@ def begin(s: ReliefState, p: float, flow: float, valve: Relief) -> Motion:
 def oil_stiffness(y: float, lift: float, conductance: float, area: float, flow: float, valve: Relief) -> float:
     """How p2 resists the poppet's lift, spool and inlet fixed [N/m]: A dp2/dx, flow: through orifices 1 and 2."""
     stiff_12 = 2.0 * valve.orifices.a_12 * abs(flow) + valve.orifices.b_12
-    yielding = 2.0 * abs(y) + stiff_12 * conductance
-    return 2.0 * area * valve.pilot.exponent * stiff_12 * conductance * y * y / max(lift * yielding, 1e-30)
+    return pressure_stiffness(valve.pilot.seat, stiff_12, y, lift, conductance, area)
 
 
 @inlined
@@ -131,14 +126,14 @@ def substep(m: Motion, c: float, z: float, h: float, valve: Relief) -> Motion:
     """The valve a time h [s] later, c the line's value then. Impacts feel the forces of the start."""
     s, pilot = m.state, valve.pilot
     lift, half_way, left = fly(s.pilot_lift, s.pilot_velocity, m.pilot_force / pilot.mass, pilot.stops, h)
-    conductance, area = gape(lift, pilot)
+    conductance, area = pilot_opening(lift, pilot)
     drag = poppet_drag(lift, pilot)
     gain = 0.5 * left / (pilot.mass + 0.5 * left * drag)
     coasting = half_way - gain * (spring_force(lift, pilot) + drag * half_way)
-    turbulent = pilot.long.fitted == 0.0
+    turbulent = not is_laminar(pilot.seat)
     before = m.y * abs(m.y) if turbulent and s.pilot_lift > 0.0 else m.y
-    stiff = 2.0 * valve.capacity / h
-    poise = Poise(lift, conductance, coasting, gain * area, stiff + seep(lift, pilot), stiff * before + m.filling)
+    stiff, laminar = absorbed_per_pressure(valve.channel, h), laminar_conductance(pilot.seat, lift)
+    poise = Poise(lift, conductance, coasting, gain * area, stiff + laminar, stiff * before + m.filling)
     y = m.y
     if turbulent and s.pilot_lift <= 0.0 and lift > 0.0:
         y = math.copysign(math.sqrt(abs(y)), y)
@@ -154,7 +149,7 @@ def substep(m: Motion, c: float, z: float, h: float, valve: Relief) -> Motion:
         borne(force, lift, end.pilot_velocity, pilot.stops),
         oil_stiffness(end.y, lift, conductance, area, through, valve),
         end.flow,
-        stiff * (p2 - before) - m.filling,
+        stiff * (p2 - before) - m.filling if is_compressible(valve.channel) else 0.0,
     )
 
 
@@ -165,7 +160,7 @@ def substeps(m: Motion, c_change: float, step: float, valve: Relief) -> int:
     The finest ones where oil or film of the pilot seat have a time of their own.
     """
     pilot = valve.pilot
-    if valve.capacity > 0.0 or pilot.long.fitted == 1.0:
+    if is_compressible(valve.channel) or is_laminar(pilot.seat):
         return math.ceil(step / FINEST - 1e-9)
     push = (abs(m.pilot_force) + pilot.area * abs(c_change)) / pilot.mass
     reach = step * (abs(m.state.pilot_velocity) + 0.5 * step * push)

@@ -12,11 +12,14 @@ takes no energy from a swing. Without it (C = 0, the source) the pilot cannot ch
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from twin.contact import held
 from twin.kernel import inlined
-from twin.orifice import quadratic_flow
+from twin.oil import Oil
+from twin.orifice import Orifice, quadratic_flow, resistance
+from twin.relief.channel import Channel, is_compressible
 from twin.relief.main_stage import (
     MainStage,
     mouth,
@@ -24,6 +27,7 @@ from twin.relief.main_stage import (
     spool_spring,
 )
 from twin.relief.poppet import Poppet
+from twin.relief.seat import is_laminar
 
 ITERATIONS = 8
 CLOSE_SPEED, CLOSE_ROOT = 1e-4, 1e-3  # [m/s] and relative: a smaller correction is the last, its error is of its square
@@ -38,13 +42,22 @@ class Orifices(NamedTuple):
     b_3: float
 
 
+def orifices(sizes: Mapping[str, Any], oil: Oil) -> Orifices:
+    """The orifices of a rig's numbers for its relief valve (SI): 1 and 3 are alike, the nozzle is orifice 2."""
+    edge = Orifice(sizes["orifice_discharge"], sizes["orifice_transition"])
+    nozzle = Orifice(sizes["nozzle_discharge"], sizes["nozzle_transition"])
+    a_1, b_1 = resistance(math.pi / 4.0 * sizes["orifice_diameter"] ** 2, edge, oil)
+    a_2, b_2 = resistance(math.pi / 4.0 * sizes["nozzle_diameter"] ** 2, nozzle, oil)
+    return Orifices(a_1 + a_2, b_1 + b_2, a_1, b_1)
+
+
 class Relief(NamedTuple):
     """The whole valve."""
 
     pilot: Poppet
     main: MainStage
     orifices: Orifices
-    capacity: float  # V/B of the oil before the pilot seat [m^3/Pa]; 0.0: incompressible
+    channel: Channel  # the oil before the pilot seat
 
 
 @inlined
@@ -54,15 +67,15 @@ def drop(q: float, a: float, b: float) -> float:
 
 
 @inlined
-def pilot_node(p: float, pushed: float, conductance: float, orifices: Orifices, seeping: float = 0.0) -> float:
+def pilot_node(p: float, pushed: float, conductance: float, orifices: Orifices, laminar: float = 0.0) -> float:
     """y [sqrt(Pa)] with p2 = y|y|, or, with the seat shut, p2 itself [Pa], at a given inlet pressure.
 
     y|y| + dp12(R y - pushed) = p rises with y and is a quadratic on each side of y = 0 and of R y = pushed [m^3/s],
-    which is what both bodies push into the node: closed form. seeping: G of a long seat, y then p2 itself.
+    which is what both bodies push into the node: closed form. laminar: G of a long seat, y then p2 itself.
     """
-    if seeping > 0.0:
-        through = quadratic_flow(p - pushed / seeping, orifices.a_12, orifices.b_12 + 1.0 / seeping)
-        return (through + pushed) / seeping
+    if laminar > 0.0:
+        through = quadratic_flow(p - pushed / laminar, orifices.a_12, orifices.b_12 + 1.0 / laminar)
+        return (through + pushed) / laminar
     lifted = -drop(-pushed, orifices.a_12, orifices.b_12)
     if conductance <= 0.0:
         return p + lifted
@@ -83,8 +96,8 @@ class Poise(NamedTuple):
     conductance: float  # R [m^3/(s sqrt(Pa))]
     coasting: float  # speed without p2 [m/s]
     yielding: float  # speed gained per p2 [m/(s Pa)]
-    swallow: float  # what leaves the node per p2, through a long seat and into its oil [m^3/(s Pa)]
-    stored: float  # less this [m^3/s]
+    absorbed: float  # what leaves the node per p2, through a laminar seat and into its oil [m^3/(s Pa)]
+    released: float  # less this [m^3/s]
 
 
 class Push(NamedTuple):
@@ -134,7 +147,8 @@ def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve
     u = held(poise.lift, free, pilot.stops)
     u_y = poise.yielding * p2_y if u == free else 0.0
     q, q_y = poise.conductance * y + pilot.area * u, poise.conductance + pilot.area * u_y
-    q, q_y = q + (poise.swallow * p2 - poise.stored), q_y + poise.swallow * p2_y
+    if is_laminar(pilot.seat) or is_compressible(valve.channel):
+        q, q_y = q + (poise.absorbed * p2 - poise.released), q_y + poise.absorbed * p2_y
     e, zk = c - z * q, z * seat.conductance
     root = math.sqrt(zk * zk + 4.0 * abs(e)) + 1e-30
     s, per_root = math.copysign(0.5 * (root - zk), e), 1.0 / root

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.relief.channel import CompressibleOil, IncompressibleOil
 from twin.relief.main_stage import mouth, spool_drag
 from twin.relief.network import Relief
-from twin.relief.poppet import gape, poppet_drag
+from twin.relief.poppet import pilot_opening, poppet_drag
 from twin.relief.steady import (
     pilot_flow,
     pilot_lift,
@@ -54,12 +55,12 @@ def _slopes(pressure: float, valve: Relief) -> _Slopes:
         raise ValueError(f"the pilot is shut at {pressure:.0f} Pa: take a pressure above its cracking pressure")
     p2 = pilot_pressure(pressure, x, valve)
     dx, dp = 1e-5 * x, 1e-5 * p2
-    area_slope = (gape(x + dx, pilot)[1] - gape(x - dx, pilot)[1]) / (2.0 * dx)
+    area_slope = (pilot_opening(x + dx, pilot)[1] - pilot_opening(x - dx, pilot)[1]) / (2.0 * dx)
     return _Slopes(
         x,
         p2,
         pilot.stiffness - area_slope * p2,
-        gape(x, pilot)[1],
+        pilot_opening(x, pilot)[1],
         (pilot_flow(p2, x + dx, valve) - pilot_flow(p2, x - dx, valve)) / (2.0 * dx),
         (pilot_flow(p2 + dp, x, valve) - pilot_flow(p2 - dp, x, valve)) / (2.0 * dp),
         1.0 / (2.0 * o.a_12 * pilot_flow(p2, x, valve) + o.b_12),
@@ -72,9 +73,9 @@ def valve_matrix(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
     z: impedance of the lines [Pa s/m^3], 0.0 for a constant pressure; complex at one s of Laplace's. Raises ValueError
     where the pilot is shut, or the oil before it incompressible.
     """
-    if valve.capacity <= 0.0:
+    if isinstance(valve.channel, IncompressibleOil):
         raise ValueError("the oil before the pilot is incompressible: take a relief.channel_volume above 0")
-    s, pilot, main, C = _slopes(pressure, valve), valve.pilot, valve.main, valve.capacity
+    s, pilot, main, C = _slopes(pressure, valve), valve.pilot, valve.main, valve.channel.capacity
     spool = rest(pressure, valve).spool_lift
     seat, root = mouth(spool, main), math.sqrt(pressure)
     through = seat.conductance / (2.0 * root)  # dQ_m/dp
@@ -152,7 +153,7 @@ def chatter_volumes(pressure: float, z: float, modulus: float, valve: Relief) ->
     volumes = np.geomspace(1e-9, 1e-2, 141)
 
     def growth(volume: float) -> float:
-        return swing(pressure, z, valve._replace(capacity=volume / modulus)).growth
+        return swing(pressure, z, valve._replace(channel=CompressibleOil(volume / modulus))).growth
 
     sings = np.flatnonzero([growth(float(v)) > 0.0 for v in volumes])
     if not len(sings):

@@ -6,7 +6,7 @@ solution; their singular values say which combinations of parameters a measured 
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,24 +81,24 @@ def knee(valve: Relief) -> Knee:
     return Knee(low, _pilot_flow(low, ReliefState(lift, 0.0, 0.0, 0.0), valve), cracking_pressure(valve.pilot))
 
 
-def parameters(sizes: Mapping[str, float]) -> list[str]:
+def parameters(sizes: Mapping[str, Any]) -> list[str]:
     """The parameters of `relief` that a static curve depends on and that are not zero."""
     return [name for name, value in sizes.items() if name not in DYNAMIC and value != 0.0]
 
 
-def sensitivities(flows: Sequence[float] | Array, sizes: Mapping[str, float], oil: Oil) -> tuple[list[str], Array]:
+def sensitivities(flows: Sequence[float] | Array, sizes: Mapping[str, Any], oil: Oil) -> tuple[list[str], Array]:
     """Names, and dp/d(ln parameter) [Pa], (flows, parameters), all others fixed, the precompressions among them."""
     names = parameters(sizes)
 
     def pressures(name: str, sign: float) -> Array:
-        moved = relief(oil, **{**sizes, name: sizes[name] * math.exp(sign * STEP)})
+        moved = relief({**sizes, name: sizes[name] * math.exp(sign * STEP)}, oil)
         return np.array([steady_pressure(float(flow), moved) for flow in flows])
 
     columns = [(pressures(name, 1.0) - pressures(name, -1.0)) / (2.0 * STEP) for name in names]
     return names, np.array(columns).T
 
 
-def set_and_override(low: float, high: float, sizes: Mapping[str, float], oil: Oil) -> tuple[list[str], Array]:
+def set_and_override(low: float, high: float, sizes: Mapping[str, Any], oil: Oil) -> tuple[list[str], Array]:
     """Names, and the change of the set pressure (at `low` [m^3/s]) and of the override up to `high`, (2, n) [Pa].
 
     Per 1 of the parameter's logarithm: a hundredth of it for 1 %.

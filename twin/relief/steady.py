@@ -10,12 +10,8 @@ import math
 from twin.kernel import kernel
 from twin.orifice import quadratic_flow
 from twin.relief.main_stage import MainStage, mouth, spool_spring
-from twin.relief.poppet import (
-    cracking_pressure,
-    gape,
-    seep,
-    spring_force,
-)
+from twin.relief.poppet import cracking_pressure, pilot_opening, spring_force
+from twin.relief.seat import laminar_conductance
 from twin.relief.valve import Relief, ReliefState
 
 HALVINGS = 120  # more than the digits of a float
@@ -25,10 +21,10 @@ HIGHEST = 1e12  # [Pa] beyond which no pressure is looked for
 @kernel
 def pilot_pressure(pressure: float, lift: float, valve: Relief) -> float:
     """p2 [Pa] at a lift: a Q^2 + b Q + (Q/R)^2 = p through orifices 1, 2 and the seat."""
-    seeping = seep(lift, valve.pilot)
-    if seeping > 0.0:
-        return quadratic_flow(pressure, valve.orifices.a_12, valve.orifices.b_12 + 1.0 / seeping) / seeping
-    conductance, _ = gape(lift, valve.pilot)
+    laminar = laminar_conductance(valve.pilot.seat, lift)
+    if laminar > 0.0:
+        return quadratic_flow(pressure, valve.orifices.a_12, valve.orifices.b_12 + 1.0 / laminar) / laminar
+    conductance, _ = pilot_opening(lift, valve.pilot)
     if conductance == 0.0:
         return pressure
     flow = quadratic_flow(pressure, valve.orifices.a_12 + 1.0 / conductance**2, valve.orifices.b_12)
@@ -38,7 +34,7 @@ def pilot_pressure(pressure: float, lift: float, valve: Relief) -> float:
 @kernel
 def pilot_surplus(pressure: float, lift: float, valve: Relief) -> float:
     """Force that opens the poppet at a lift [N]; falls with the lift."""
-    _, area = gape(lift, valve.pilot)
+    _, area = pilot_opening(lift, valve.pilot)
     return area * pilot_pressure(pressure, lift, valve) - spring_force(lift, valve.pilot)
 
 
@@ -102,10 +98,10 @@ def steady_flow(pressure: float, valve: Relief) -> float:
 @kernel
 def pilot_flow(p2: float, lift: float, valve: Relief) -> float:
     """Q [m^3/s] through the pilot seat, chamfered or long."""
-    seeping = seep(lift, valve.pilot)
-    if seeping > 0.0:
-        return seeping * p2
-    return gape(lift, valve.pilot)[0] * math.sqrt(p2)
+    laminar = laminar_conductance(valve.pilot.seat, lift)
+    if laminar > 0.0:
+        return laminar * p2
+    return pilot_opening(lift, valve.pilot)[0] * math.sqrt(p2)
 
 
 @kernel

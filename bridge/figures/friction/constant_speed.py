@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from bridge.drawing.canvas import Array
 from bridge.scenario.model import Daq
-from twin.circuit.block import buffers, compiled, run_block
+from twin.circuit.block import block_of, buffers, compiled
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten
@@ -88,13 +88,13 @@ def bench(line: float, mass: float) -> Circuit:
 
 def window_of(reference: float, direction: float, circuit: Circuit) -> NDArray[np.float64]:
     """Taps (sample, 2, channel) in the first steady window at a spool reference, or in the last one."""
-    plant, state = compiled(circuit), flatten(equilibrium(circuit, START[direction]))
+    run, state = block_of(compiled(circuit)), flatten(equilibrium(circuit, START[direction]))
     tap, seen = buffers()
     taps = np.stack([tap] * SAMPLES)
-    run_block(state, reference, *plant, SETTLING, taps[0], seen)
+    run(state, reference, SETTLING, taps[0], seen)
     for _ in range(WINDOWS):
         for sample in taps:
-            run_block(state, reference, *plant, SAMPLE, sample, seen)
+            run(state, reference, SAMPLE, sample, seen)
         if verdict(taps) == STEADY:
             break
     return taps

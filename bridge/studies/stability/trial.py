@@ -17,7 +17,7 @@ from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from controller.grid import NS, Sampling, is_sample
 from controller.hold import Hold
-from twin.circuit.block import Compiled, compiled, run_block
+from twin.circuit.block import Compiled, block_of, compiled
 from twin.topology import CHANNELS, OBSERVED
 
 ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
@@ -74,7 +74,7 @@ class _Loop:
     """Plant and controller of one run."""
 
     def __init__(self, scenario: Scenario, on: Stand, grid: Sampling) -> None:
-        self.scenario, self.grid, self.circuit = scenario, grid, on.circuit
+        self.scenario, self.grid, self.plant = scenario, grid, block_of(on.circuit)
         self.state, self.acquisition = on.rest.copy(), Acquisition(scenario)
         self.seen = np.zeros(len(OBSERVED))
         self.controller, self.hold = ControllerSide(scenario, 1), Hold(SAFE)
@@ -95,4 +95,4 @@ class _Loop:
             self._advance(segment.value, (segment.end - segment.begin) // self.grid.step)
 
     def _advance(self, reference: float, steps: int) -> None:
-        run_block(self.state, reference, *self.circuit, steps, self.acquisition.taps, self.seen)
+        self.plant(self.state, reference, steps, self.acquisition.taps, self.seen)

@@ -49,7 +49,7 @@ def static(rig: Values) -> Static:
         raise ValueError("relief.kind is none: the rig has no relief valve; take two-stage")
     part = rig["relief"]
     x0 = precompression_for(part["setting"], part["setting_flow"], valve_of(rig, 0.0))
-    valve, sizes, oil = valve_of(rig, x0), {**relief_sizes(rig["relief"]), "pilot_precompression": x0}, oil_of(rig)
+    valve, sizes, oil = valve_of(rig, x0), relief_sizes(rig["relief"], x0), oil_of(rig)
     flows = np.concatenate([np.geomspace(0.01, 1.0, 20), np.geomspace(1.2, 200.0, 40)]) * LITRE_PER_MINUTE
     names, shaped = set_and_override(LEAST, MOST, sizes, oil)
     sparse = flows[::4]
@@ -129,4 +129,4 @@ def oil_of(rig: Values) -> Oil:
 
 def valve_of(rig: Values, precompression: float) -> Relief:
     """The relief valve with a pilot spring precompressed by so much [m]."""
-    return relief(oil_of(rig), pilot_precompression=precompression, **relief_sizes(rig["relief"]))
+    return relief(relief_sizes(rig["relief"], precompression), oil_of(rig))
