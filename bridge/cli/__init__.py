@@ -1,10 +1,13 @@
 """The command `hydrotwin`: one function per verb, grouped by what they are for."""
 
+import gc
 import logging
 import signal
 import sys
 
 from bridge.cli import streams
+
+FEWER_SEARCHES = 50_000  # objects made between two searches for garbage: imports make many and leave hardly any
 
 
 def main() -> None:
@@ -14,6 +17,7 @@ def main() -> None:
     import can get lost.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    gc.set_threshold(FEWER_SEARCHES)
     streams.prepare()
     code, words = _outcome()
     if (refused := streams.refusal()) is not None:

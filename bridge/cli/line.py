@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON
+from bridge.cli.outputs import print_json
 
 
 def line(

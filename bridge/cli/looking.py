@@ -5,12 +5,13 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import print_json
-from bridge.cli.options import AS_JSON, CONFIG, CONNECT
+from bridge.cli.options import AS_JSON, CONFIG, CONNECT, there
+from bridge.cli.outputs import print_json
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 SHOWN = Annotated[
-    Path | None, typer.Argument(help="A recording, .mcap; without one what runs now.", show_default=False)
+    Path | None,
+    typer.Argument(help="A recording, .mcap; without one what runs now.", show_default=False),
 ]
 SCREENSHOT = Annotated[
     Path | None, typer.Option("--screenshot", help="Write a picture of the view, .png, and open nothing.")
@@ -39,6 +40,7 @@ def view(
 
     when = -1.0 if at is None else option("at", at, "s")
     if file is not None:
+        there(file)
         from bridge.view.show import show
 
         show(file, web, save, picture, when)
@@ -52,12 +54,14 @@ def view(
 
 def report(
     files: Annotated[
-        list[Path], typer.Argument(metavar="FILE...", help="Recordings, .mcap; several are laid over one another.")
+        list[Path],
+        typer.Argument(metavar="FILE...", help="Recordings, .mcap; several are laid over one another."),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Page to write, .html.")] = Path("report.html"),
     as_json: AS_JSON = False,
 ) -> None:
     """Write one page on a run, to read offline and on paper; of several runs an overlay and their differences."""
+    there(*files)
     from bridge.report.page import write_report
 
     written = write_report(files, output)

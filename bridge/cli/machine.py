@@ -3,10 +3,9 @@
 from itertools import groupby
 
 import typer
-from rich.text import Text
 
-from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON
+from bridge.cli.outputs import print_json
 
 
 def messages(as_json: AS_JSON = False) -> None:
@@ -47,6 +46,8 @@ def _short(layout: str) -> str:
 
 def doctor(as_json: AS_JSON = False) -> None:
     """Look at this machine: can it run the loop, and how punctually?"""
+    from rich.text import Text
+
     from bridge.cli.tables import print_table
     from bridge.machine.doctor import examine
 

@@ -17,6 +17,15 @@ TOLERANCE = Annotated[
 ]
 
 
+def there(*paths: Path) -> None:
+    """Raises UsageError for a file that is not there: verbs ask this before they import what reads it."""
+    for path in paths:
+        try:
+            path.stat()
+        except OSError as error:
+            raise UsageError(f"{path}: {error.strerror}") from None
+
+
 def tolerances(texts: list[str] | None) -> dict[str, str]:
     """Signal -> what may be. Raises UsageError for a text that is not such a pair."""
 

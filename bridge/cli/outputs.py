@@ -1,9 +1,16 @@
-"""Files that a verb writes beside its result: one that cannot be written does not keep the rest from being shown."""
+"""What a verb hands over: JSON on standard output, and files beside it; one that cannot be written hides no result."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 from bridge.cli.streams import complain
 from bridge.errors import RunError, writing
+
+
+def print_json(value: Any) -> None:
+    """Plain JSON on standard output."""
+    print(json.dumps(value, indent=2))
 
 
 def write_text(path: Path | None, text: str) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.text import Text
 
-from bridge.cli.app import print_json
+from bridge.cli.outputs import print_json
 from bridge.cli.tables import plain_text, print_table
 
 if TYPE_CHECKING:

@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import print_json
 from bridge.cli.options import (
     AS_JSON,
     CHANGES,
@@ -16,6 +15,7 @@ from bridge.cli.options import (
     SCENARIO,
     ProcessMode,
 )
+from bridge.cli.outputs import print_json
 from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 

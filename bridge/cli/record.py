@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bridge.cli.app import print_json
 from bridge.cli.options import (
     AS_JSON,
     CONFIG,
@@ -16,6 +15,7 @@ from bridge.cli.options import (
     ProcessMode,
     nanoseconds,
 )
+from bridge.cli.outputs import print_json
 from bridge.errors import UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
 

@@ -6,14 +6,14 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import print_json
-from bridge.cli.options import AS_JSON, FILE, TOLERANCE, TOPICS, tolerances
-from bridge.cli.printing import print_differences
+from bridge.cli.options import AS_JSON, FILE, TOLERANCE, TOPICS, there, tolerances
+from bridge.cli.outputs import print_json
 from bridge.errors import UsageError
 
 
 def info(file: FILE, as_json: AS_JSON = False) -> None:
     """Say what a recording holds and how its run went: channels, rates, gaps, events, metrics."""
+    there(file)
     from bridge.cli.printing import print_info
     from bridge.recording.info import describe
     from bridge.recording.reader import read
@@ -26,7 +26,10 @@ def info(file: FILE, as_json: AS_JSON = False) -> None:
 
 
 def recover(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="A truncated recording, or the parts of one.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE...", help="A truncated recording, or the parts of one."),
+    ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="[default: FILE-recovered.mcap]", show_default=False)
     ] = None,
@@ -36,6 +39,7 @@ def recover(
 
     Exit code 1: nothing could be recovered.
     """
+    there(*files)
     from bridge.recording.recover import recover as copy
 
     done = copy(files, output or files[0].with_stem(f"{files[0].stem}-recovered"))
@@ -60,6 +64,7 @@ def export(
     as_json: AS_JSON = False,
 ) -> None:
     """Write a recording for other programs, units in the headers."""
+    there(file)
     from bridge.recording.choice import choose
     from bridge.recording.export import export as write
     from bridge.recording.reader import read
@@ -86,6 +91,8 @@ def compare(
     as_json: AS_JSON = False,
 ) -> None:
     """Compare two recordings signal by signal: greatest difference, rms, where it begins. Exit code 1: they differ."""
+    there(first, second)
+    from bridge.cli.printing import print_differences
     from bridge.recording.choice import choose
     from bridge.recording.compare import compare as differences
     from bridge.recording.reader import read
@@ -99,6 +106,7 @@ def compare(
 
 def digest(files: Annotated[list[Path], typer.Argument(help="Recordings, .mcap.")], as_json: AS_JSON = False) -> None:
     """Print one hash per data channel; with several files, say whether they are the same."""
+    there(*files)
     from bridge.cli.tables import print_table
     from bridge.recording.digest import digest as hashes
 

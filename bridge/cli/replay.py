@@ -6,9 +6,8 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import print_json
-from bridge.cli.options import AS_JSON, CONFIG, FILE, TOLERANCE, nanoseconds, tolerances
-from bridge.cli.printing import print_differences
+from bridge.cli.options import AS_JSON, CONFIG, FILE, TOLERANCE, nanoseconds, there, tolerances
+from bridge.cli.outputs import print_json
 from bridge.cli.record import TOPICS, WITHOUT
 from bridge.errors import UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
@@ -58,6 +57,7 @@ def replay(
     Keys: space pauses and resumes, s steps, + and - change the speed, arrows seek, q quits; `hydrotwin remote` does the
     same from elsewhere. Exit code with --into: 1 when something differs by more than its tolerance.
     """
+    there(file)
     if into is not None:
         _replay_into(file, into.value, (changes, tolerance, alone, listen, output), as_json)
         return
@@ -86,6 +86,7 @@ def _replay_into(
     words: tuple[list[str] | None, list[str] | None, bool, str | None, Path | None],
     as_json: bool,
 ) -> None:
+    from bridge.cli.printing import print_differences
     from bridge.replay.through import Through, replay_through
 
     changes, tolerance, alone, listen, output = words

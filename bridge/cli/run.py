@@ -8,14 +8,13 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.app import print_json
 from bridge.cli.options import (
     AS_JSON,
     CHANGES,
     SCENARIO,
     Mode,
 )
-from bridge.cli.outputs import write_text
+from bridge.cli.outputs import print_json, write_text
 
 RECORD = Annotated[
     Path | None,

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from bridge.cli.app import print_json
 from bridge.cli.options import (
     AS_JSON,
     CHANGES,
     SCENARIO,
 )
+from bridge.cli.outputs import print_json
 from twin.topology import PIPES
 
 
@@ -57,9 +57,9 @@ def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: A
 def scenarios(as_json: AS_JSON = False) -> None:
     """List the built-in scenarios."""
     from bridge.cli.tables import print_table
-    from bridge.scenario import load, names
+    from bridge.scenario.files import listed, names
 
-    rows = [(s.name, s.title, f"{s.duration:g} s", "; ".join(s.expect)) for s in map(load, names())]
+    rows = [(s.name, s.title, f"{s.duration:g} s", "; ".join(s.expect)) for s in map(listed, names())]
     keys = ("name", "title", "duration", "expects")
     if as_json:
         print_json([dict(zip(keys, row, strict=True)) for row in rows])

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bridge.cli.app import print_json
 from bridge.cli.options import AS_JSON, CHANGES, SCENARIO, SCHEDULER, WORKERS
+from bridge.cli.outputs import print_json
 from bridge.errors import UsageError
 
 if TYPE_CHECKING:

@@ -5,11 +5,12 @@ from typing import Annotated, Any
 
 import typer
 
-from bridge.cli.app import print_json
+from bridge.cli.catalogue import VERBS
 from bridge.cli.options import AS_JSON, CHANGES, SCHEDULER, WORKERS
+from bridge.cli.outputs import print_json
 from bridge.errors import UsageError
 
-app = typer.Typer(help="Static curves, seats and chatter of relief valves: docs/valves.md.", no_args_is_help=True)
+app = typer.Typer(help=VERBS["valve"].words, no_args_is_help=True, add_completion=False)
 OUTPUT = Annotated[Path, typer.Option("--output", "-o", help="Folder for the picture and the table.")]
 SCENARIO = Annotated[str, typer.Option("--scenario", help="Whose rig.")]
 SEAT = Annotated[str, typer.Argument(help="chamfered or conical.")]

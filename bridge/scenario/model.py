@@ -19,6 +19,7 @@ from bridge.scenario.fields import (
     Seconds,
     Speed,
 )
+from bridge.scenario.files import DURATION
 from bridge.scenario.references import Reference
 from controller.grid import NS, Sampling, sampling
 from controller.law import LAWS
@@ -133,7 +134,7 @@ class Scenario(Part):
 
     name: FileName = "unnamed"
     title: Line = ""
-    duration: Seconds = Field(default=10.0, gt=0.0)
+    duration: Seconds = Field(default=DURATION, gt=0.0)
     seed: int = Field(default=1, ge=0, lt=2**63, description="of the sensor noise, and of the run's identity")
     rig_name: str = Field(
         default="rig", pattern=r"^[A-Za-z0-9_-]+(/[A-Za-z0-9_-]+)*$", description="start of every key"

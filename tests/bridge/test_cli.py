@@ -5,11 +5,13 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from typing import Any
 
 import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
+from bridge.cli.catalogue import VERBS as CATALOGUE
 from bridge.cli.verbs import app
 from tests.support.command import hydrotwin_here
 from tests.support.processes import ENVIRONMENT, ROOT, hydrotwin
@@ -30,6 +32,13 @@ def test_help_names_every_verb_there_is_and_the_exit_codes():
     assert set(get_command(app).commands) >= set(VERBS)  # pyright: ignore[reportAttributeAccessIssue]
     assert "Exit codes" in text
     assert "--install-completion" in text
+
+
+def test_the_list_of_verbs_says_what_each_says_of_itself():
+    """The table that help is made from, against the commands."""
+    commands: Any = get_command(app)
+    found = {name: command.help.split("\n\n")[0] for name, command in commands.commands.items()}
+    assert found == {name: verb.words for name, verb in CATALOGUE.items()}
 
 
 @pytest.mark.parametrize("verb", VERBS)

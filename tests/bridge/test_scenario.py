@@ -10,6 +10,7 @@ from bridge.errors import nearest
 from bridge.scenario import Scenario, ScenarioError, check, load, names
 from bridge.scenario.bands import METRICS, parse_band
 from bridge.scenario.circuit import circuit_of
+from bridge.scenario.files import listed
 from bridge.scenario.units import UNITS, quantity
 from controller.bands import Band
 from controller.reference import evaluate
@@ -24,6 +25,13 @@ def test_the_built_in_scenarios_are_there_and_load():
     )
     for name in names():
         assert load(name).expect, f"{name} expects nothing"
+
+
+def test_the_list_shows_what_the_checked_scenarios_say():
+    """The list reads plain data; the model checks them."""
+    for name in names():
+        checked, shown = load(name), listed(name)
+        assert shown == (checked.name, checked.title, checked.duration, checked.expect)
 
 
 @pytest.mark.parametrize(

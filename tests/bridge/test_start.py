@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import bridge.scenario.circuit as circuits
+from bridge.cli.catalogue import VERBS
 from bridge.processes.options import RunOptions
 from bridge.runs.run import run_scenario
 from bridge.scenario import load
@@ -55,12 +56,16 @@ WORDS = (
     ),
     *("controller nonsense", "describe nonsense", "advise nonsense", "convergence nonsense", "nonsense"),
     *("run step --set rig.valve.kind=round", "run step --duration 1.00001"),
+    *(f"{verb} none.mcap" for verb in ("info", "view", "digest", "replay", "report", "recover", "export --csv")),
+    *("compare none.mcap none.mcap", "replay none.mcap --into plant"),
 )
+LIGHT = ("--help", "scenarios", "messages", "messages --json", "nonsense")
+VALIDATING = ("pydantic.main", "bridge.scenario.model", "numpy")
 PROGRAM = """
 import importlib, json, os, sys
 work, heavy = json.loads(sys.argv[1])
 if work[0].startswith("hydrotwin"):  # light themselves, by the test above
-    import bridge.cli.verbs, bridge.scenario
+    import bridge.cli.verbs
 for name in work:
     reader, writer = os.pipe()
     if os.fork() == 0:
@@ -102,6 +107,23 @@ def test_verbs_that_list_print_or_refuse_load_nothing_heavy():
     lists = ("--help", "scenarios", "schema", "messages", "figures")
     refused = {words for name, words in commands.items() if found[name][0]}
     assert refused == {words for words in WORDS if not words.endswith(lists) and "--json" not in words}
+
+
+def test_lists_load_nothing_that_validates():
+    commands = [f"hydrotwin {words}" for words in LIGHT]
+    assert {name: heavy for name, (_, heavy) in loaded(commands, VALIDATING).items() if heavy} == {}
+
+
+def test_a_verb_imports_no_other():
+    others = tuple(f"bridge.cli.{place.partition(':')[0]}" for _, place, _ in VERBS.values())
+    assert loaded(["hydrotwin --help", "hydrotwin messages"], others) == {
+        "hydrotwin --help": (0, []),
+        "hydrotwin messages": (0, ["bridge.cli.machine"]),
+    }
+
+
+def test_a_scenario_that_is_refused_by_name_waits_for_no_model():
+    assert loaded(["hydrotwin run nonsense"], ("bridge.scenario.model",)) == {"hydrotwin run nonsense": (2, [])}
 
 
 @pytest.mark.parametrize("module", PROCESSES)

@@ -1,0 +1,104 @@
+"""All verbs in the order in which help shows them: where each is found, and its line of the help.
+
+A verb's module is imported when the verb is asked for, so that no command pays for the others.
+"""
+
+from typing import NamedTuple
+
+RUN, LOOK, PROCESSES = "Run", "Look", "Processes"  # panels of the help
+
+
+class Verb(NamedTuple):
+    """A verb of the command line."""
+
+    panel: str
+    place: str  # module in `bridge.cli`, and the function there, or the application of a group
+    words: str  # the first paragraph of its own help
+
+
+VERBS = {
+    "run": Verb(RUN, "run:run", "Run a scenario and leave a recording, a picture and a summary."),
+    "check": Verb(RUN, "run:check", "Run scenarios headless and judge the bands they state; for CI."),
+    "scenarios": Verb(LOOK, "scenarios:scenarios", "List the built-in scenarios."),
+    "schema": Verb(LOOK, "scenarios:schema", "Print the JSON schema of scenario files, for editors."),
+    "describe": Verb(
+        LOOK,
+        "scenarios:describe",
+        "Print a scenario's circuit: parts, values with their sources, frequencies, travel times, limits of the step.",
+    ),
+    "convergence": Verb(
+        LOOK,
+        "scenarios:convergence",
+        "Run a scenario at its step, a half and a quarter of it: error and order of each signal.",
+    ),
+    "advise": Verb(
+        LOOK,
+        "stability:advise",
+        "Find the stable gains of a scenario's loop: critical gains, margins, predicted oscillation, suggested gains.",
+    ),
+    "map": Verb(
+        LOOK,
+        "stability:map_stability",
+        "Draw a chart of stability over two numbers of the loop: OUTPUT.png, .csv, .html, and the runs' own .csv.",
+    ),
+    "view": Verb(
+        LOOK,
+        "looking:view",
+        "Show a recording, or without FILE a running plant, in Rerun: the rig in 3-D, curves, maps of the pipes, "
+        "events.",
+    ),
+    "report": Verb(
+        LOOK,
+        "looking:report",
+        "Write one page on a run, to read offline and on paper; of several runs an overlay and their differences.",
+    ),
+    "info": Verb(
+        LOOK,
+        "recordings:info",
+        "Say what a recording holds and how its run went: channels, rates, gaps, events, metrics.",
+    ),
+    "compare": Verb(
+        LOOK,
+        "recordings:compare",
+        "Compare two recordings signal by signal: greatest difference, rms, where it begins. Exit code 1: they differ.",
+    ),
+    "recover": Verb(
+        LOOK,
+        "recordings:recover",
+        "Recover the readable part of a truncated or damaged recording, or join the parts of one run.",
+    ),
+    "export": Verb(LOOK, "recordings:export", "Write a recording for other programs, units in the headers."),
+    "digest": Verb(
+        LOOK, "recordings:digest", "Print one hash per data channel; with several files, say whether they are the same."
+    ),
+    "messages": Verb(LOOK, "machine:messages", "Print every key, type, rate, `.msg` text and `struct` format."),
+    "figures": Verb(LOOK, "figures:figures", "List the figures, or draw them all."),
+    "figure": Verb(LOOK, "figures:figure", "Draw a figure of the thesis from the twin: NAME.png and NAME.csv."),
+    "line": Verb(
+        LOOK,
+        "line:line",
+        "Simulate waves in one pipe with any scheme, compared with the exact line: line.png, line.csv and a summary.",
+    ),
+    "doctor": Verb(LOOK, "machine:doctor", "Look at this machine: can it run the loop, and how punctually?"),
+    "plant": Verb(PROCESSES, "processes:plant", "Simulate the rig: publish measurements, take valve commands."),
+    "controller": Verb(
+        PROCESSES, "processes:controller", "Answer measurements with valve commands until the plant ends."
+    ),
+    "record": Verb(
+        PROCESSES, "record:record", "Record everything on a rig's keys to an MCAP file until the plant ends."
+    ),
+    "replay": Verb(
+        PROCESSES,
+        "replay:replay",
+        "Play a recording on the bus with its own timing; or --into the twin or a controller, and judge what "
+        "comes out.",
+    ),
+    "remote": Verb(
+        PROCESSES, "replay:remote", "Control a replay that runs, from anywhere: prints where it stands then."
+    ),
+    "router": Verb(
+        PROCESSES, "processes:router", "Route between machines until interrupted; plants and clients use --connect."
+    ),
+    "reset": Verb(PROCESSES, "processes:reset", "Bring a plant out of its safe state."),
+    "valve": Verb(LOOK, "valve:app", "Static curves, seats and chatter of relief valves: docs/valves.md."),
+}

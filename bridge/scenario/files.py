@@ -1,0 +1,120 @@
+"""Scenario files: found, and read as plain data, with changes from the command line."""
+
+import json
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.errors import ScenarioError, nearest, reason
+from bridge.scenario.law_file import with_place
+from bridge.scenario.units import quantity
+
+DURATION = 10.0  # [s] of a scenario that gives none
+
+
+class Listed(NamedTuple):
+    """What a list of scenarios shows of one."""
+
+    name: str
+    title: str
+    duration: float
+    expect: list[str]
+
+
+def names() -> list[str]:
+    """The built-in scenarios."""
+    return sorted(path.name.removesuffix(".toml") for path in _built_in().iterdir() if path.name.endswith(".toml"))
+
+
+def _built_in():
+    return resources.files("bridge.scenario") / "built_in"
+
+
+def listed(name: str) -> Listed:
+    """A built-in scenario for a list: it has been checked, so that its plain data will do."""
+    data = plain(name)
+    duration = quantity(data.get("duration", DURATION), "s")
+    return Listed(data["name"], data.get("title", ""), duration, data.get("expect", []))
+
+
+def plain(which: str) -> dict[str, Any]:
+    """The plain data of a built-in scenario or of a file, by whatever name. Raises ScenarioError."""
+    data = _read(which, ())
+    data["name"] = data.get("name", Path(which).stem)
+    return data
+
+
+def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
+    """The plain data of a scenario, on top of those of the one it extends."""
+    if which in extended_by:
+        raise ScenarioError(f"{which}: extends itself, by way of {', '.join(extended_by)}")
+    text, folder = _source(which)
+    try:
+        data = json.loads(text) if which.endswith(".json") else tomllib.loads(text)
+    except ValueError as error:
+        raise ScenarioError(f"{which}: cannot be read: {error}") from None
+    data = with_place(_with_tables(data, folder), folder)
+    base = data.pop("extends", None)
+    if base is None:
+        return data
+    beside = folder / str(base)
+    found = _read(str(beside) if beside.is_file() else str(base), (*extended_by, which))
+    found.pop("name", None)
+    return _merged(found, data)
+
+
+def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Sections are merged, all else is replaced."""
+    both = {
+        key: _merged(base[key], own[key])
+        for key in own
+        if isinstance(base.get(key), dict) and isinstance(own[key], dict)
+    }
+    return base | own | both
+
+
+def _source(which: str) -> tuple[str, Path]:
+    if which in names():
+        return (_built_in() / f"{which}.toml").read_text(encoding="utf-8"), Path()
+    path = Path(which)
+    if path.is_file():
+        return _text(path), path.parent
+    raise ScenarioError(f"{which}: no such scenario or file{nearest(which, names())}")
+
+
+def _text(path: Path) -> str:
+    """A file of the user's: UTF-8 whatever the locale, with or without a mark at its beginning."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{path}: is not UTF-8 at byte {error.start}; save it as UTF-8") from None
+    except OSError as error:
+        raise ScenarioError(reason(error)) from None
+
+
+def _with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """A reference's CSV file is read here, so that the scenario carries all it needs."""
+    reference = data.get("reference")
+    if isinstance(reference, dict) and isinstance(name := reference.get("csv"), str) and "\n" not in name:
+        path = folder / name
+        if not path.is_file():
+            raise ScenarioError(f"reference.csv: no file {str(path)!r}")
+        return data | {"reference": reference | {"csv": _text(path)}}
+    return data
+
+
+def apply(data: dict[str, Any], change: str) -> None:
+    """Change a value by a text such as "controller.gain=0.4". Raises ScenarioError."""
+    key, sign, text = change.partition("=")
+    if not sign or not key.strip():
+        raise ScenarioError(f"{change!r} is not a change; write section.name=value, such as controller.gain=0.4")
+    *path, last = key.strip().split(".")
+    for name in path:
+        data = data.setdefault(name, {})
+        if not isinstance(data, dict):
+            raise ScenarioError(f"{change!r}: {name!r} is a value, not a section")
+    try:
+        data[last] = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        data[last] = text.strip()
