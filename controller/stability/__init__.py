@@ -1,13 +1,14 @@
 """When a loop oscillates, and how: theory of the analogue, the relay and the sampled loop. Source: chapter 5.
 
-`monodromy`, `critical_gain`: the sampled dimensionless actuator with any delay and the derivatives of `controller.law`.
-`plant_of` (a control.StateSpace, as of `twin.circuit.linear.linearise`), `sampled_loop`, `closed`: the same for any
-linear plant; the actuator is `linear_actuator`; `movable` takes out rests that no loop can move. `multipliers`,
-`stable_count`, `is_stable`, `dominant`, `loop_onset` (gain, kind and frequency), `gain_margin`, `derivative_range`,
-`delay_margin` judge a loop, `margins` in all of these ways; `suggested_gain` keeps a distance at several points.
-`curves`: closed forms. `chart`: counts of stable multipliers on grids, compiled. `analogue`, `relay`, `slow_fast`: the
-loop without sampling. `birth`, `limit_cycle`, `continuation`, `floquet`: its periodic orbits, from their birth through
-folds, and what they do to their neighbours; their arcs are compiled in `arc`.
+`Timing`: when a controller samples and acts. `monodromy`, `critical_gain`: the sampled dimensionless actuator with any
+delay and the derivatives of `controller.law`. `plant_of` (a control.StateSpace, as of
+`twin.circuit.linear.linearise`), `sampled_loop`, `closed`: the same for any linear plant; the actuator is
+`linear_actuator`; `movable` takes out rests that no loop can move. `multipliers`, `stable_count`, `is_stable`,
+`dominant`, `loop_onset` (gain, kind and frequency), `gain_margin`, `derivative_range`, `delay_margin` judge a loop,
+`margins` in all of these ways; `suggested_gain` keeps a distance at several points. `curves`: closed forms. `chart`:
+counts of stable multipliers on grids, compiled. `analogue`, `relay`, `slow_fast`: the loop without sampling. `birth`,
+`limit_cycle`, `continuation`, `floquet`: its periodic orbits, from their birth through folds, and what they do to
+their neighbours; their arcs are compiled in `arc`.
 """
 
 from controller.stability.crossing import Onset, is_stable, multipliers, stable_count
@@ -24,12 +25,14 @@ from controller.stability.margins import (
 from controller.stability.movable import movable
 from controller.stability.plant import Plant, linear_actuator, plant_of
 from controller.stability.sampled import SampledLoop, closed, critical_gain, monodromy, sampled_loop
+from controller.stability.timing import Timing
 
 __all__ = [
     "Margins",
     "Onset",
     "Plant",
     "SampledLoop",
+    "Timing",
     "closed",
     "critical_gain",
     "delay_margin",

@@ -12,57 +12,38 @@ from numpy.typing import ArrayLike, NDArray
 from controller.stability.crossing import stable_count
 from controller.stability.plant import Array, Plant, linear_actuator
 from controller.stability.sampled import SampledLoop, closed, sampled_loop
+from controller.stability.timing import Timing
 from twin.kernel import kernel
 
 Counts = NDArray[np.int8]
 MOST = 100_000  # matrices at once
 
 
-def stable_multipliers(
-    s: ArrayLike,
-    d: ArrayLike,
-    k: ArrayLike,
-    gamma: ArrayLike,
-    tau: ArrayLike,
-    delay: ArrayLike = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-) -> Counts:
+def stable_multipliers(s: ArrayLike, d: ArrayLike, k: ArrayLike, gamma: ArrayLike, timing: Timing) -> Counts:
     """Number of stable multipliers of the actuator, in the shape to which all arguments broadcast.
 
     Unlike `monodromy` it takes delays of any length together, so the number that means "stable" is
     3 + ceil(delay) + (0, 1, 2 for measured, backward, filtered): see `unstable_multipliers` for a chart over delay.
     """
-    cases = [np.asarray(value, float) for value in (k, gamma, tau, delay)]
+    cases = [np.asarray(value, float) for value in (k, gamma, timing.tau, timing.delay)]
     ceilings = np.ceil(cases[3])
     out = np.empty(np.broadcast_shapes(np.shape(s), np.shape(d), *(case.shape for case in cases)), np.int8)
     for ceiling in np.unique(ceilings):
         chosen = np.where(ceilings == ceiling, cases[3], ceiling)
-        loop = sampled_loop(linear_actuator(*cases[:2]), cases[2], chosen, derivative, filter_time)
+        loop = sampled_loop(linear_actuator(*cases[:2]), timing._replace(tau=cases[2], delay=chosen))
         np.copyto(out, count_loop(loop, s, d), where=ceilings == ceiling)
     return out
 
 
-def unstable_multipliers(
-    s: ArrayLike,
-    d: ArrayLike,
-    k: ArrayLike,
-    gamma: ArrayLike,
-    tau: ArrayLike,
-    delay: ArrayLike = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-) -> Counts:
+def unstable_multipliers(s: ArrayLike, d: ArrayLike, k: ArrayLike, gamma: ArrayLike, timing: Timing) -> Counts:
     """How many multipliers are not inside: 0 means stable, whatever the delay."""
-    size = 3 + np.ceil(delay) + {"measured": 0, "backward": 1, "filtered": 2}.get(derivative, 0)
-    return (size - stable_multipliers(s, d, k, gamma, tau, delay, derivative, filter_time)).astype(np.int8)
+    size = 3 + np.ceil(timing.delay) + timing.memory
+    return (size - stable_multipliers(s, d, k, gamma, timing)).astype(np.int8)
 
 
-def count_plant(
-    plant: Plant, s: ArrayLike, d: ArrayLike, tau: ArrayLike, delay: ArrayLike = 0.0, derivative: str = "measured"
-) -> Counts:
-    """The same for any plant without a filter; all delays must round up to the same number of periods."""
-    return count_loop(sampled_loop(plant, tau, delay, derivative), s, d)
+def count_plant(plant: Plant, s: ArrayLike, d: ArrayLike, timing: Timing) -> Counts:
+    """The same for any plant; all delays must round up to the same number of periods."""
+    return count_loop(sampled_loop(plant, timing), s, d)
 
 
 def count_loop(loop: SampledLoop, s: ArrayLike, d: ArrayLike) -> Counts:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from controller.stability.crossing import Onset, classify, first_loss, is_stable, multipliers, named, stable_ranges
 from controller.stability.plant import Array, Plant
 from controller.stability.sampled import SampledLoop, closed, sampled_loop
+from controller.stability.timing import Timing
 
 SCAN = 0.02  # of a sampling period, between the delays tried
 LONGEST = 10.0  # sampling periods of further delay that are tried
@@ -24,24 +25,15 @@ class Margins(NamedTuple):
     critical: Onset | None  # as s grows from 0 at this d; None: never lost, gain 0.0: none to lose
     gain_margin: float  # critical over own s, d unchanged; below 1.0 for one that is too high
     derivative: tuple[float, float]  # stable range of d around the own one, from 0 up; NaN if the loop is unstable
-    delay_margin: float  # further delay that it bears [sampling periods]; 0.0 if unstable, inf beyond `longest`
+    delay_margin: float  # further delay that it tolerates [sampling periods]; 0.0 if unstable, inf beyond `longest`
     dominant: Onset  # what grows fastest or dies most slowly at these gains
 
 
-def margins(
-    plant: Plant,
-    s: float,
-    d: float,
-    tau: float,
-    delay: float = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-    longest: float = LONGEST,
-) -> Margins:
-    """All of them for one plant, sampled as `sampled_loop` says. Raises ValueError as it does."""
-    loop = sampled_loop(plant, tau, delay, derivative, filter_time)
+def margins(plant: Plant, s: float, d: float, timing: Timing, longest: float = LONGEST) -> Margins:
+    """All of them for one plant, sampled as `sampled_loop` says; one period, one delay. ValueError as there."""
+    loop = sampled_loop(plant, timing)
     critical, stable = loop_onset(loop, d), bool(is_stable(closed(loop, s, d)))
-    late = delay_margin(plant, s, d, tau, delay, derivative, filter_time, longest) if stable else 0.0
+    late = delay_margin(plant, s, d, timing, longest) if stable else 0.0
     ratio = math.inf if critical is None or s == 0.0 else critical.gain / s
     return Margins(stable, critical, ratio, derivative_range(loop, s, d), late, dominant(loop, s, d))
 
@@ -83,26 +75,19 @@ def derivative_range(loop: SampledLoop, s: float, d: float) -> tuple[float, floa
     return next(((low, high) for low, high in ranges if low <= d <= high), (d, d))
 
 
-def delay_margin(
-    plant: Plant,
-    s: float,
-    d: float,
-    tau: float,
-    delay: float = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-    longest: float = LONGEST,
-) -> float:
+def delay_margin(plant: Plant, s: float, d: float, timing: Timing, longest: float = LONGEST) -> float:
     """Further delay [sampling periods] that makes the loop unstable; inf if none up to `longest` does.
 
     Ranges of instability narrower than 0.02 periods may be passed over. ValueError for an unstable loop.
     """
 
     def stable(more: Array) -> NDArray[np.bool_]:
-        return _stable_at(plant, s, d, tau, delay + more, derivative, filter_time)
+        return _stable_later(plant, s, d, timing, more)
 
     if not stable(np.zeros(1))[0]:
-        raise ValueError(f"gains s {s}, d {d} are unstable at delay {delay} already and have no margin; lower them")
+        raise ValueError(
+            f"gains s {s}, d {d} are unstable at delay {timing.delay} already and have no margin; lower them"
+        )
     for period in range(math.ceil(longest)):  # one at a time: most loops are lost early
         more = np.minimum(period + SCAN * np.arange(1, round(1.0 / SCAN) + 1), longest)
         if not (good := stable(more)).all():
@@ -111,14 +96,13 @@ def delay_margin(
     return math.inf
 
 
-def _stable_at(
-    plant: Plant, s: float, d: float, tau: float, delays: Array, derivative: str, filter_time: float | None
-) -> NDArray[np.bool_]:
-    """Is the loop stable at each of the delays? Those that give matrices of one size are done together."""
+def _stable_later(plant: Plant, s: float, d: float, timing: Timing, more: Array) -> NDArray[np.bool_]:
+    """Is the loop stable with each of these further delays? Those that give matrices of one size are done together."""
+    delays = np.asarray(timing.delay, float) + more
     out, sizes = np.empty(delays.shape, bool), np.ceil(delays)
     for size in np.unique(sizes):
         at = sizes == size
-        out[at] = is_stable(closed(sampled_loop(plant, tau, delays[at], derivative, filter_time), s, d))
+        out[at] = is_stable(closed(sampled_loop(plant, timing._replace(delay=delays[at])), s, d))
     return out
 
 
@@ -129,28 +113,21 @@ def _halved(stable, low: float, high: float) -> float:
     return high
 
 
-def suggested_gain(
-    plants: Sequence[Plant],
-    d: float,
-    tau: float,
-    delay: float = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-) -> float:
+def suggested_gain(plants: Sequence[Plant], d: float, timing: Timing) -> float:
     """A gain s with GAIN_MARGIN and DELAY_MARGIN for each of the plants: half the least critical one, or less.
 
     0.0 where there is none above a hundredth of the critical one; inf where none is critical.
     """
 
-    def bears(s: float) -> bool:
+    def tolerates_delay(s: float) -> bool:
         return all(
-            bool(_stable_at(plant, s, d, tau, delay + late, derivative, filter_time).all())
-            for late in (np.full(1, DELAY_MARGIN), np.arange(0.0, DELAY_MARGIN, SCAN))
+            bool(_stable_later(plant, s, d, timing, more).all())
+            for more in (np.full(1, DELAY_MARGIN), np.arange(0.0, DELAY_MARGIN, SCAN))
             for plant in plants
         )
 
-    onsets = [loop_onset(sampled_loop(plant, tau, delay, derivative, filter_time), d) for plant in plants]
+    onsets = [loop_onset(sampled_loop(plant, timing), d) for plant in plants]
     gain = least = min(math.inf if onset is None else onset.gain for onset in onsets) / GAIN_MARGIN
-    while 0.0 < gain < math.inf and not bears(gain):
+    while 0.0 < gain < math.inf and not tolerates_delay(gain):
         gain = gain * LOWERED if gain > 2e-2 * least else 0.0
     return gain

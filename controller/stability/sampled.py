@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 
 from controller.stability.crossing import first_loss
 from controller.stability.plant import Array, Plant, held, linear_actuator
-
-DERIVATIVES = ("measured", "backward", "filtered")
+from controller.stability.timing import Timing
 
 
 class SampledLoop(NamedTuple):
@@ -30,28 +29,21 @@ class SampledLoop(NamedTuple):
     velocity: Array  # q (..., n), the estimate
 
 
-def sampled_loop(
-    plant: Plant,
-    tau: ArrayLike,
-    delay: ArrayLike = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-) -> SampledLoop:
-    """The loop of a plant sampled at tau, in the plant's unit of time; delay and filter time in sampling periods.
+def sampled_loop(plant: Plant, timing: Timing) -> SampledLoop:
+    """The loop of a plant under a controller of this timing.
 
-    tau and delay broadcast with the plant's stack, as long as all delays round up to the same number of periods.
+    Periods and delays broadcast with the plant's stack, as long as all delays round up to the same number of periods.
     Raises ValueError for tau <= 0, delay < 0, and for a derivative that is unknown or cannot be had.
     """
-    tau, delay = np.asarray(tau, float), np.asarray(delay, float)
+    tau, delay = np.asarray(timing.tau, float), np.asarray(timing.delay, float)
     past = _past_inputs(tau, delay)
     shape = np.broadcast_shapes(tau.shape, delay.shape, plant.b.shape[:-1])
-    memory = {"measured": 0, "backward": 1, "filtered": 2}[_checked(plant, derivative, filter_time)]
-    n = plant.b.shape[-1]
-    free = np.zeros((*shape, n + past + memory, n + past + memory))
+    n, size = plant.b.shape[-1], plant.b.shape[-1] + past + _memory(plant, timing)
+    free = np.zeros((*shape, size, size))
     entry, position = np.zeros(free.shape[:-1]), np.zeros(free.shape[-1])
     position[:n] = plant.position
     _carry(free, entry, plant, tau, delay, past)
-    velocity = _estimate(free, n + past, plant, tau, derivative, filter_time or 0.0)
+    velocity = _estimate(free, n + past, plant, tau, timing)
     return SampledLoop(free, entry, position, velocity)
 
 
@@ -73,17 +65,17 @@ def _carry(free: Array, entry: Array, plant: Plant, tau: Array, delay: Array, pa
         free[..., n + age, n + age - 1] = 1.0
 
 
-def _estimate(free: Array, at: int, plant: Plant, tau: Array, derivative: str, filter_time: float) -> Array:
+def _estimate(free: Array, at: int, plant: Plant, tau: Array, timing: Timing) -> Array:
     """The row of the velocity, and the memory it needs, from column `at` on: last position, last estimate."""
     n, row = plant.b.shape[-1], np.zeros(free.shape[:-1])
-    if derivative == "measured":
+    if timing.derivative == "measured":
         row[..., :n] = plant.velocity
         return row
-    a = np.exp(-1.0 / filter_time) if derivative == "filtered" and filter_time > 0.0 else 0.0
+    a = timing.kept
     row[..., :n] = (1.0 - a) * plant.position / tau[..., None]
     row[..., at] = -(1.0 - a) / tau
     free[..., at, :n] = plant.position
-    if derivative == "filtered":
+    if timing.derivative == "filtered":
         row[..., at + 1] = a
         free[..., at + 1, :] = row
     return row
@@ -95,41 +87,24 @@ def closed(loop: SampledLoop, s: ArrayLike, d: ArrayLike) -> Array:
     return loop.free - loop.entry[..., :, None] * (s * loop.position + d * loop.velocity)[..., None, :]
 
 
-def monodromy(
-    s: ArrayLike,
-    d: ArrayLike,
-    k: ArrayLike,
-    gamma: ArrayLike,
-    tau: ArrayLike,
-    delay: ArrayLike = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-) -> Array:
+def monodromy(s: ArrayLike, d: ArrayLike, k: ArrayLike, gamma: ArrayLike, timing: Timing) -> Array:
     """The dimensionless actuator's matrix from sample to sample, (..., n, n); every number may be an array.
 
-    n = 3 + ceil(delay) + (0, 1, 2 for measured, backward, filtered); delay and filter time in sampling periods.
+    n = 3 + ceil(delay) + (0, 1, 2 for measured, backward, filtered).
     Arrays broadcast; all delays of one call must round up to the same number. Raises ValueError as `sampled_loop`.
     """
-    return closed(sampled_loop(linear_actuator(k, gamma), tau, delay, derivative, filter_time), s, d)
+    return closed(sampled_loop(linear_actuator(k, gamma), timing), s, d)
 
 
-def critical_gain(
-    d: ArrayLike,
-    k: ArrayLike,
-    gamma: ArrayLike,
-    tau: ArrayLike,
-    delay: ArrayLike = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-) -> float | Array:
+def critical_gain(d: ArrayLike, k: ArrayLike, gamma: ArrayLike, timing: Timing) -> float | Array:
     """Smallest s > 0 at which the loop loses stability; 0.0: unstable for all small s > 0; inf: never lost.
 
     A float for numbers, an array for arrays, which broadcast. Raises ValueError as `sampled_loop`.
     """
-    cases = np.broadcast(*(np.asarray(value, float) for value in (d, k, gamma, tau, delay)))
+    cases = np.broadcast(*(np.asarray(value, float) for value in (d, k, gamma, timing.tau, timing.delay)))
     found = np.empty(cases.shape)
     for index, (d_, k_, gamma_, tau_, delay_) in zip(np.ndindex(cases.shape), cases, strict=True):
-        loop = sampled_loop(linear_actuator(k_, gamma_), tau_, delay_, derivative, filter_time)
+        loop = sampled_loop(linear_actuator(k_, gamma_), timing._replace(tau=tau_, delay=delay_))
         found[index] = first_loss(closed(loop, 0.0, d_), loop.entry, loop.position)
     return found if found.ndim else float(found)
 
@@ -145,11 +120,8 @@ def _past_inputs(tau: Array, delay: Array) -> int:
     return int(past[0])
 
 
-def _checked(plant: Plant, derivative: str, filter_time: float | None) -> str:
-    if derivative not in DERIVATIVES:
-        raise ValueError(f"derivative {derivative!r} is none of {', '.join(map(repr, DERIVATIVES))}")
-    if derivative == "measured" and plant.velocity is None:
+def _memory(plant: Plant, timing: Timing) -> int:
+    """Numbers that the derivative keeps. ValueError where it is wrong, or the plant has no tachometer for it."""
+    if timing.derivative == "measured" and plant.velocity is None:
         raise ValueError("derivative 'measured', but the plant has no velocity output; take 'backward' or 'filtered'")
-    if derivative == "filtered" and not (filter_time is not None and 0.0 <= filter_time < np.inf):
-        raise ValueError(f"derivative 'filtered' needs a filter time of 0 or more sampling periods, not {filter_time}")
-    return derivative
+    return timing.memory

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from controller.stability import Timing
 from controller.stability.actuator.model import TABLE_5_1, Actuator, omega
 from controller.stability.actuator.parting import causes
 from controller.stability.actuator.simulate import (
@@ -38,7 +39,7 @@ def rows(folder: Path) -> Iterator[Row]:
     """One run of 10 s each, from a displacement of 10 alpha, on one core; then the edges of random loops."""
     plant, last = Actuator(ALPHA, 0.23, 0.1), SECONDS * omega(TABLE_5_1)
     for name, (tau, s) in CASES.items():
-        took, loop = float("inf"), controller(s, 0.0, tau)
+        took, loop = float("inf"), controller(s, 0.0, Timing(tau))
         for _ in range(20):
             start = time.process_time()  # of the core: other processes do not count
             simulate(displaced(10.0 * ALPHA), plant, loop, round(last / tau))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from bridge.figures.stability.charts import CHARTS, shares
-from controller.stability import monodromy
+from controller.stability import Timing, monodromy
 from controller.stability.chart import stable_multipliers
 from tests.benchmarks.plant import Row
 
@@ -20,12 +20,12 @@ TAU, S = np.linspace(0.02, 20.0, SIDE), np.linspace(0.005, 5.0, SIDE)
 
 def chart() -> np.ndarray:
     """The whole chart, from the matrices on."""
-    return stable_multipliers(S[:, None], 0.0, K, GAMMA, TAU, DELAY)
+    return stable_multipliers(S[:, None], 0.0, K, GAMMA, Timing(TAU, DELAY))
 
 
 def matrices(columns: np.ndarray) -> np.ndarray:
     """The matrices of whole columns of the chart, (s, column, n, n)."""
-    return monodromy(S[:, None], 0.0, K, GAMMA, TAU[columns], DELAY)
+    return monodromy(S[:, None], 0.0, K, GAMMA, Timing(TAU[columns], DELAY))
 
 
 def inside(mu: np.ndarray) -> np.ndarray:

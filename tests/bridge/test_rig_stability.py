@@ -18,7 +18,7 @@ from bridge.studies.stability.causes import with_causes
 from bridge.studies.stability.criterion import crossing_frequency, judge_swing
 from bridge.studies.stability.probe import critical_gain, stand_of, swing_at
 from bridge.studies.stability.rig_loop import (
-    Timing,
+    RigTiming,
     edge_of,
     margins_of,
     suggested,
@@ -61,7 +61,7 @@ def test_criterion_tells_growth_from_decay_and_irregular_swings():
 def test_the_ideal_twin_begins_to_oscillate_where_its_linearisation_says(interval):
     """Between the edges up and down, which differ by the load's pressure alone; at half the sampling frequency."""
     scenario = ideal(interval)
-    timing = Timing(interval, 0.0, "measured", 0.0)
+    timing = RigTiming(interval, 0.0, "measured", 0.0)
     edges = [edge_of(point.plant(), timing, 0.0) for point in plants(scenario).values()]
     found = critical_gain(scenario, edges[0].gain, 5e-4, 0.03)
     mean = 2.0 / sum(1.0 / edge.gain for edge in edges)  # of both gains of the valve
@@ -73,7 +73,7 @@ def test_the_ideal_twin_begins_to_oscillate_where_its_linearisation_says(interva
 def test_with_a_leak_the_small_swing_is_that_about_rest():
     """The opening that feeds the leak damps the load: the edge moves from the resonance's to a flip."""
     without, leaking = ideal(0.05), ideal(0.05, "leak")
-    timing = Timing(0.05, 0.0, "measured", 0.0)
+    timing = RigTiming(0.05, 0.0, "measured", 0.0)
     assert set(plants(without)) == {"up", "down"}
     edge = edge_of(plants(leaking)["rest"].plant(), timing, 0.0)
     assert edge.kind == "flip"
@@ -123,7 +123,7 @@ def test_advice_agrees_with_what_check_finds(name, tmp_path):
 
 def test_suggested_gains_keep_their_margins():
     scenario = load("slow-sampling")
-    timing, found = Timing(0.1, 0.0, "measured", 0.0), [point.plant() for point in plants(scenario).values()]
+    timing, found = RigTiming(0.1, 0.0, "measured", 0.0), [point.plant() for point in plants(scenario).values()]
     gain = suggested(found, timing, 0.0)
     kept = [margins_of(plant, timing, gain, 0.0) for plant in found]
     assert min(m.gain_margin for m in kept) >= 2.0

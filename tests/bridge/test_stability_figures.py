@@ -15,7 +15,7 @@ from bridge.figures.stability.charts import (
     middles,
     shares,
 )
-from controller.stability import is_stable, linear_actuator, loop_onset, monodromy, multipliers, sampled_loop
+from controller.stability import Timing, is_stable, linear_actuator, loop_onset, monodromy, multipliers, sampled_loop
 
 TAU, S = middles(20.0), middles(5.0)
 
@@ -34,7 +34,7 @@ def test_areas_are_those_of_eigenvalues():
         assert row[2:].sum() == pytest.approx(1.0, abs=1e-12)
     for number in ("5.9", "5.16", "5.19"):
         of = CHARTS[number]
-        size = np.abs(multipliers(monodromy(S[:, None], of.d, of.k, 0.23, TAU)))
+        size = np.abs(multipliers(monodromy(S[:, None], of.d, of.k, 0.23, Timing(TAU))))
         found = np.bincount((size < 1.0 - 1e-12).sum(axis=-1).ravel(), minlength=4) / 40_000
         np.testing.assert_array_equal(found, shares(of))
 
@@ -62,7 +62,7 @@ def test_damping_stabilises():
 )
 def test_moderate_damping_flips_and_heavy_damping_swings_slowly(k: float, tau: float, kind: str):
     """5.11 to 5.13. Heavily damped it swings at the loop's own omega^2 = sqrt2 gamma s/k, slowly."""
-    onset = loop_onset(sampled_loop(linear_actuator(k, 0.23), tau), 0.0)
+    onset = loop_onset(sampled_loop(linear_actuator(k, 0.23), Timing(tau)), 0.0)
     assert onset is not None
     assert onset.kind == kind
     if k == 1e3:
@@ -82,5 +82,5 @@ def test_closed_curves_bound_the_islands():
     for share, stable in ((-0.05, False), (0.05, True), (0.5, True), (0.95, True), (1.05, False)):
         s = pair[both] + share * (flip[both] - pair[both])
         s, at = s[s > 0.0], tau[both][s > 0.0]
-        assert np.mean(is_stable(monodromy(s, CURVES.d, CURVES.k, 0.23, at)) == stable) > 0.99
+        assert np.mean(is_stable(monodromy(s, CURVES.d, CURVES.k, 0.23, Timing(at))) == stable) > 0.99
     assert CHARTS["5.17"] == CURVES

@@ -12,7 +12,7 @@ from bridge.studies.stability.chart import (
     chart,
 )
 from bridge.studies.stability.rig_loop import loop_of
-from controller.stability import closed, monodromy, multipliers, stable_count
+from controller.stability import Timing, closed, monodromy, multipliers, stable_count
 
 FILTERED = Plainly({"damping": 0.1, "delay": 0.6}, "filtered", 0.7)
 SPANS = {"gain": (0.0, 4.0), "derivative": (0.0, 1.0), "period": (0.5, 9.0), "delay": (0.0, 2.7), "damping": (0.0, 1.0)}
@@ -28,7 +28,7 @@ def test_a_dimensionless_cell_is_a_monodromy_matrix(across: str, up: str):
     for i, j in np.ndindex(drawn.outside.shape):
         at = {**FILTERED.numbers, across: float(x[j]), up: float(y[i])}
         s, d, k, gamma = (at[name] for name in ("gain", "derivative", "damping", "gamma"))
-        matrix = monodromy(s, d, k, gamma, at["period"], at["delay"], "filtered", 0.7)
+        matrix = monodromy(s, d, k, gamma, Timing(at["period"], at["delay"], "filtered", 0.7))
         assert (drawn.total[i, j], drawn.outside[i, j]) == (len(matrix), len(matrix) - stable_count(matrix))
         size = np.abs(multipliers(matrix))
         assert drawn.excess[i, j] == pytest.approx(size.max() - 1.0, abs=1e-9)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from controller.stability import critical_gain, monodromy
+from controller.stability import Timing, critical_gain, monodromy
 
 DELAYS = (0.0, 0.23, 1.0, 2.7, 3.0)
 KINDS = (("measured", None), ("backward", None), ("filtered", 0.3), ("filtered", 5.0))
@@ -19,7 +19,7 @@ def random_loop(seed: int) -> tuple:
     random = np.random.default_rng([59, seed])
     d, k = (0.0 if random.random() < 0.3 else 10.0 ** random.uniform(-2.0, 1.0) for _ in range(2))
     tau, gamma = random.uniform(0.05, 12.0), 10.0 ** random.uniform(-1.5, 0.3)
-    return d, k, gamma, tau, DELAYS[seed % 5], *KINDS[seed % 4]
+    return d, k, gamma, Timing(tau, DELAYS[seed % 5], *KINDS[seed % 4])
 
 
 @pytest.mark.parametrize("seed", range(100))
@@ -46,5 +46,5 @@ def test_sampling_at_whole_periods_of_the_oil_spring_is_never_stable(derivative:
     for n in (1, 2, 3):
         tau = math.sqrt(2.0) * math.pi * n
         for d in (0.0, 0.5):
-            assert critical_gain(d, 0.0, 0.23, tau, delay, derivative, lag) == 0.0
-    assert critical_gain(0.0, 0.5, 0.23, math.sqrt(2.0) * math.pi, delay, derivative, lag) > 0.0
+            assert critical_gain(d, 0.0, 0.23, Timing(tau, delay, derivative, lag)) == 0.0
+    assert critical_gain(0.0, 0.5, 0.23, Timing(math.sqrt(2.0) * math.pi, delay, derivative, lag)) > 0.0

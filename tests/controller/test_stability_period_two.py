@@ -5,7 +5,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from controller.stability import critical_gain
+from controller.stability import Timing, critical_gain
 from controller.stability.actuator.held import Held
 from controller.stability.actuator.model import Actuator
 from controller.stability.actuator.simulate import controller, displaced, simulate
@@ -16,11 +16,11 @@ from controller.stability.orbits.stroboscope import mirrored, period
 
 PLANT = Held(Actuator(0.0043, 0.23, 0.1), 0.0, 1e-11)
 LOOPS = {
-    "soft": controller(0.0, 0.0, 3.0),
-    "hard": controller(0.0, 0.0, 10.0),
-    "late": controller(0.0, 0.0, 3.0, 0.2),
-    "difference": controller(0.0, 0.1, 4.0, 0.0, "backward"),
-    "filter": controller(0.0, 0.1, 5.0, 0.2, "filtered", 0.8),
+    "soft": controller(0.0, 0.0, Timing(3.0)),
+    "hard": controller(0.0, 0.0, Timing(10.0)),
+    "late": controller(0.0, 0.0, Timing(3.0, 0.2)),
+    "difference": controller(0.0, 0.1, Timing(4.0, 0.0, "backward")),
+    "filter": controller(0.0, 0.1, Timing(5.0, 0.2, "filtered", 0.8)),
 }
 
 
@@ -67,7 +67,7 @@ def test_multipliers_are_those_of_finite_differences(name):
 def test_a_hard_flip_has_unstable_orbits_below_it_and_stable_ones_past_a_fold():
     """One multiplier passes 1 at the fold, and runs on either side of it agree."""
     flip = flip_at(PLANT, LOOPS["hard"])
-    assert flip == pytest.approx(critical_gain(0.0, 0.1, 0.23, 10.0), rel=1e-9)
+    assert flip == pytest.approx(critical_gain(0.0, 0.1, 0.23, Timing(10.0)), rel=1e-9)
     found = list(islice(orbits(PLANT, LOOPS["hard"]), 40))
     gains, stable = np.array([orbit.s for orbit in found]), np.array([orbit.stable for orbit in found])
     fold = int(np.argmin(gains))
@@ -89,4 +89,4 @@ def test_a_run_comes_to_the_stable_orbit():
 
 def test_a_loop_without_a_flip_has_none():
     with pytest.raises(ValueError, match="no multiplier of this loop passes -1"):
-        next(orbits(PLANT, controller(0.0, 0.2, 3.0, 0.6)))
+        next(orbits(PLANT, controller(0.0, 0.2, Timing(3.0, 0.6))))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from controller.stability import loop_onset, monodromy
+from controller.stability import Timing, loop_onset, monodromy
 from controller.stability.actuator.held import (
     LONGEST,
     STATE,
@@ -65,7 +65,7 @@ def test_a_run_is_what_the_control_law_and_scipy_make_of_it(derivative, lag, del
         return by_scipy(z, float(np.clip(u, -limit, limit)), time)
 
     states, given, _ = course(case, STATE_0, np.zeros(3), None, 12, limited)
-    loop = controller(case.s, case.d, case.tau, delay, derivative, lag, limit)
+    loop = controller(case.s, case.d, Timing(case.tau, delay, derivative, lag), limit)
     run = simulate(STATE_0, PLANT, loop, 12, tolerance=1e-12)
     assert run.outcome == WENT
     assert run.states == pytest.approx(states, abs=1e-8)
@@ -86,7 +86,7 @@ def test_a_step_is_of_fifth_order():
 
 def test_a_small_swing_keeps_its_size():
     """k = 0, valve shut: the oil spring swings for ever. A step h loses (sqrt2 h)^6/3600 of a swing of any size."""
-    loop, steps = controller(0.0, 0.0, np.pi * np.sqrt(2.0)), math.ceil(np.pi * np.sqrt(2.0) / LONGEST)
+    loop, steps = controller(0.0, 0.0, Timing(np.pi * np.sqrt(2.0))), math.ceil(np.pi * np.sqrt(2.0) / LONGEST)
     kept = (1.0 - (2.0 * np.pi / steps) ** 6 / 3600.0) ** (1000 * steps)
     for size in (1e-9, 1e-4):
         run = simulate([0.0, 0.0, 0.5 + size, 0.5 - size], PLANT._replace(k=0.0), loop, 1000)
@@ -99,13 +99,13 @@ def test_a_small_swing_keeps_its_size():
 )
 def test_a_small_swing_follows_the_monodromy_matrix(derivative, lag, delay):
     """From sample to sample, at 1e-6 of the supply pressure: what is left is its square, and the step's error."""
-    loop, size = controller(1.5, 0.2, 2.0, delay, derivative, lag), 1e-6
+    loop, size = controller(1.5, 0.2, Timing(2.0, delay, derivative, lag)), 1e-6
     z = np.zeros(width_of(loop) - 1)
     z[:3] = size * PLANT.alpha * np.array([1.0, -0.5, 0.8])
     x = np.zeros(width_of(loop))
     x[:4] = z[0], z[1], 0.5 + z[2] / (2.0 * PLANT.alpha), 0.5 - z[2] / (2.0 * PLANT.alpha)
     for _ in range(20):
-        z = monodromy(loop.s, loop.d, PLANT.k, PLANT.gamma, loop.tau, delay, derivative, lag) @ z
+        z = monodromy(loop.s, loop.d, PLANT.k, PLANT.gamma, Timing(loop.tau, delay, derivative, lag)) @ z
         x = period(x, FINE, loop)[0]
     assert [*x[:2], PLANT.alpha * (x[2] - x[3]), *x[4:]] == pytest.approx(z, rel=1e-4, abs=1e-4 * np.abs(z).max())
 
@@ -115,7 +115,7 @@ def test_a_small_swing_follows_the_monodromy_matrix(derivative, lag, delay):
 )
 def test_derivatives_of_a_period_are_those_of_its_end(derivative, lag, delay):
     """Central differences; and both ways of running a period agree; and so does the mirror image."""
-    loop = controller(3.0, 0.2, 1.1, delay, derivative, lag)
+    loop = controller(3.0, 0.2, Timing(1.1, delay, derivative, lag))
     rng = np.random.default_rng(4)
     x = np.concatenate([SMOOTH, rng.uniform(-0.01, 0.01, width_of(loop) - 4)])
     after, by_x, by_s = period(x, FINE, loop)
@@ -137,7 +137,7 @@ def test_random_loops_swing_on_the_side_of_the_edge_that_theory_says():
         found, numbers = swings(at), [float(np.asarray(value)) for value in loop[1:6]]
         d, k, gamma, tau, delay = numbers
         np.testing.assert_array_equal(found.oscillates, [False, False, True, True], str(numbers))
-        sampled = controller(0.0, d, tau, delay, loop.derivative, loop.filter_time)
+        sampled = controller(0.0, d, Timing(tau, delay, loop.derivative, loop.filter_time))
         onset = loop_onset(linear_loop(linear_actuator(k, gamma), sampled), d)
         assert onset is not None
         assert onset.gain == pytest.approx(loop.s, rel=1e-6)
@@ -173,7 +173,7 @@ def test_a_piston_runs_into_the_end_with_the_valve_open():
     assert found.ends
     assert found.oscillates
     assert found.amplitude == 1.0
-    run = simulate(displaced(0.002), Actuator(0.2, 0.814, 0.0287), controller(0.295, 0.629, 6.69, 0.963), 400)
+    run = simulate(displaced(0.002), Actuator(0.2, 0.814, 0.0287), controller(0.295, 0.629, Timing(6.69, 0.963)), 400)
     assert run.outcome == END
     assert np.isnan(run.states[-1]).all()
 
@@ -188,7 +188,7 @@ def test_a_wide_swing_with_a_stiff_valve_is_what_scipy_integrates():
 
     case = Case(5.0, 0.0, PLANT.k, PLANT.gamma, 20.0, 0.0, "measured", None)
     states, _, _ = course(case, displaced(0.05), np.zeros(1), None, 2, witness)
-    run = simulate(displaced(0.05), PLANT, controller(5.0, 0.0, 20.0), 2, tolerance=1e-9)
+    run = simulate(displaced(0.05), PLANT, controller(5.0, 0.0, Timing(20.0)), 2, tolerance=1e-9)
     assert run.states == pytest.approx(states, abs=1e-8)
 
 
@@ -204,7 +204,7 @@ def test_a_stiff_step_is_of_fourth_order():
 
 def test_oil_stops_the_piston_before_the_end_of_the_cylinder():
     """The chamber's volume goes to zero there and its pressure to infinity, as in (5.7)."""
-    run = simulate([0.9, 0.3, 0.5, 0.5], PLANT, controller(0.0, 0.0, 0.5), 20, tolerance=1e-9)
+    run = simulate([0.9, 0.3, 0.5, 0.5], PLANT, controller(0.0, 0.0, Timing(0.5)), 20, tolerance=1e-9)
     assert run.outcome == WENT
     assert 0.96 < run.states[:, 0].max() < 1.0
     assert run.states[:, 3].max() > 200.0
@@ -232,7 +232,7 @@ def test_why_a_run_parts_from_theory(loop, cause, oscillates):
 def test_growth_is_that_of_the_largest_multiplier():
     """Over a third of the run, 100 periods: |mu|^100."""
     loop = PLAIN._replace(s=2.36, start=1e-6)
-    mu = np.abs(np.linalg.eigvals(monodromy(2.36, 0.0, 0.1, 0.23, 3.0))).max()
+    mu = np.abs(np.linalg.eigvals(monodromy(2.36, 0.0, 0.1, 0.23, Timing(3.0)))).max()
     found = swings(loop)
     assert found.growth == pytest.approx(mu**100, rel=0.02)
     assert found.growth > 1.0 / KEPT

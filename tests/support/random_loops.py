@@ -23,7 +23,8 @@ def random_loops(seed: int, count: int) -> list[Loops]:
             "derivative": derivative,
             "filter_time": 10.0 ** rng.uniform(-0.5, 0.5) if derivative == "filtered" else None,
         }
-        gain = critical_gain(**numbers)
+        loop = PLAIN._replace(**numbers)
+        gain = critical_gain(loop.d, loop.k, loop.gamma, loop.timing)
         if 0.0 < gain < np.inf:
-            loops.append(PLAIN._replace(s=gain, **numbers))
+            loops.append(loop._replace(s=gain))
     return loops

@@ -21,7 +21,7 @@ from bridge.drawing.canvas import (
 )
 from bridge.figures.stability.damped import CHARTS, Damped
 from bridge.studies.stability.chart_drawing import COLOURS, GOOD
-from controller.stability import linear_actuator, sampled_loop
+from controller.stability import Timing, linear_actuator, sampled_loop
 from controller.stability.actuator.analogue import analogue_edge
 from controller.stability.chart import Counts, stable_multipliers
 from controller.stability.curves import flip_curve, flip_gain, fold_intervals, neimark_sacker_curve
@@ -42,7 +42,7 @@ def middles(top: float) -> Array:
 
 def counts(of: Damped) -> Counts:
     """Stable multipliers of each cell, (s, tau)."""
-    return stable_multipliers(middles(HIGHEST)[:, None], of.d, of.k, GAMMA, middles(LONGEST))
+    return stable_multipliers(middles(HIGHEST)[:, None], of.d, of.k, GAMMA, Timing(middles(LONGEST)))
 
 
 def shares(of: Damped) -> Array:
@@ -55,7 +55,7 @@ def flips(tau: Array, of: Damped) -> Array:
     if of.k == 0.0:
         return flip_curve(tau, GAMMA)
     plant = linear_actuator(of.k, GAMMA)
-    return np.array([flip_gain(sampled_loop(plant, t), of.d) for t in tau.tolist()])
+    return np.array([flip_gain(sampled_loop(plant, Timing(t)), of.d) for t in tau.tolist()])
 
 
 def edges(tau: Array, curve: Array, of: Damped) -> NDArray[np.bool_]:
@@ -63,7 +63,9 @@ def edges(tau: Array, curve: Array, of: Damped) -> NDArray[np.bool_]:
     out = np.zeros(len(tau), bool)
     at = np.flatnonzero((curve > 0.0) & (curve < 1.1 * HIGHEST))
     steps = ((1.0, 1.0 - NEAR), (1.0, 1.0 + NEAR), (1.0 - NEAR, 1.0), (1.0 + NEAR, 1.0))
-    stable = [stable_multipliers(curve[at] * up, of.d, of.k, GAMMA, tau[at] * across) == 3 for across, up in steps]
+    stable = [
+        stable_multipliers(curve[at] * up, of.d, of.k, GAMMA, Timing(tau[at] * across)) == 3 for across, up in steps
+    ]
     out[at] = np.any(stable, axis=0) & ~np.all(stable, axis=0)
     return out
 

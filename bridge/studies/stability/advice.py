@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from bridge.scenario import Scenario, ScenarioError
 from bridge.scenario.gains import gains
 from bridge.studies.stability.rig_loop import (
-    Timing,
+    RigTiming,
     margins_of,
     named,
     suggested,
@@ -92,7 +92,7 @@ class Advice(NamedTuple):
 
     scenario: str
     held_at: float  # [m], where the reference ends
-    timing: Timing
+    timing: RigTiming
     gain: GainInUnits  # the scenario's own
     derivative_gain: GainInUnits
     verdict: Stability
@@ -162,7 +162,7 @@ def verdict(stable: Collection[bool]) -> Stability:
     return Stability.STABLE if all(stable) else Stability.BETWEEN if any(stable) else Stability.UNSTABLE
 
 
-def _point(opening: float, timing: Timing, found: Margins, scenario: Scenario) -> PointAdvice:
+def _point(opening: float, timing: RigTiming, found: Margins, scenario: Scenario) -> PointAdvice:
     critical, swing = named(found.critical, timing), named(found.dominant, timing)
     return PointAdvice(
         opening=opening,

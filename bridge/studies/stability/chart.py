@@ -16,7 +16,7 @@ from bridge.scenario.gains import gains
 from bridge.studies.stability.advice import held, plants_of
 from bridge.studies.stability.rig_loop import timing_of
 from controller.law import per_metre, volts_per_percent
-from controller.stability import SampledLoop, closed, linear_actuator, multipliers, sampled_loop
+from controller.stability import SampledLoop, Timing, closed, linear_actuator, multipliers, sampled_loop
 from controller.stability.crossing import inside
 
 AXES = ("gain", "derivative", "period", "delay", "damping")
@@ -81,7 +81,7 @@ class Plainly(Family):
 
     def loop(self, at: Mapping[str, Any]) -> SampledLoop:
         plant = linear_actuator(at["damping"], at["gamma"])
-        return sampled_loop(plant, at["period"], at["delay"], self.derivative, self.filter_time)
+        return sampled_loop(plant, Timing(at["period"], at["delay"], self.derivative, self.filter_time))
 
     def together(self, at: Mapping[str, Any]) -> list[Any]:
         return [np.ceil(at["delay"])]
@@ -108,7 +108,7 @@ class OfRig(Family):
     def loop(self, at: Mapping[str, Any]) -> SampledLoop:
         plant, period = self.about_point.plant(float(np.max(at["damping"]))), 1e-3 * np.asarray(at["period"])
         lag = self.timing.filter_time / float(np.max(period))
-        return sampled_loop(plant, period, at["delay"] / at["period"], self.timing.derivative, lag)
+        return sampled_loop(plant, Timing(period, at["delay"] / at["period"], self.timing.derivative, lag))
 
     def together(self, at: Mapping[str, Any]) -> list[Any]:
         lag = [at["period"]] if self.timing.derivative == "filtered" else []

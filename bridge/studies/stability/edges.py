@@ -9,7 +9,7 @@ from bridge.scenario import Scenario, changed
 from bridge.scenario.gains import gains
 from bridge.studies.stability.causes import CAUSES, DEAD_BAND, with_causes
 from bridge.studies.stability.probe import STEP, TOLERANCE, critical_gain
-from bridge.studies.stability.rig_loop import Timing, timing_of
+from bridge.studies.stability.rig_loop import RigTiming, timing_of
 from bridge.studies.stability.rig_loop import edge_of as theory_edge
 from bridge.studies.stability.rig_plant import RigPlant, at_rest, plants
 from bridge.studies.sweep.engine import ALL_CORES, Crew, sweep
@@ -18,7 +18,7 @@ from bridge.studies.sweep.journal import Point
 PATIENCE = 12.0  # sampling intervals of silence that a trial tolerates
 
 
-def theory_edges(found: Mapping[str, RigPlant], timing: Timing, derivative: float) -> dict[str, list[Any]]:
+def theory_edges(found: Mapping[str, RigPlant], timing: RigTiming, derivative: float) -> dict[str, list[Any]]:
     """For each point of the rig its critical gain [1/m], its kind and frequency [Hz]."""
     return {name: [*theory_edge(point.plant(), timing, derivative)] for name, point in found.items()}
 

@@ -9,22 +9,32 @@ from typing import NamedTuple
 
 from bridge.scenario import Scenario
 from bridge.scenario.gains import gains
-from controller.stability import Margins, Onset, Plant, SampledLoop, loop_onset, margins, sampled_loop, suggested_gain
+from controller.stability import (
+    Margins,
+    Onset,
+    Plant,
+    SampledLoop,
+    Timing,
+    loop_onset,
+    margins,
+    sampled_loop,
+    suggested_gain,
+)
 
 LATEST = 5.0  # sampling periods, the longest further delay that is looked at
 
 
-class Timing(NamedTuple):
-    """When the controller samples and acts, and where its velocity comes from."""
+class RigTiming(NamedTuple):
+    """When the controller of a rig samples and acts, and where its velocity comes from; seconds."""
 
     period: float  # T [s]
     delay: float  # [s], may exceed T
     derivative: str  # "measured" | "backward" | "filtered"
     filter_time: float  # [s], of the filtered one
 
-    def counted(self) -> tuple[float, float, str, float]:
-        """tau, delay, derivative and filter time as `sampled_loop` takes them."""
-        return self.period, self.delay / self.period, self.derivative, self.filter_time / self.period
+    def counted(self) -> Timing:
+        """The same in sampling periods, as `controller.stability` takes it."""
+        return Timing(self.period, self.delay / self.period, self.derivative, self.filter_time / self.period)
 
 
 class Edge(NamedTuple):
@@ -35,35 +45,35 @@ class Edge(NamedTuple):
     frequency: float  # [Hz], that it starts with
 
 
-def timing_of(scenario: Scenario) -> Timing:
+def timing_of(scenario: Scenario) -> RigTiming:
     """The times of a scenario's controller."""
     own = gains(scenario)
-    return Timing(scenario.loop.sample_period, scenario.loop.delay, own.source, own.filter_time)
+    return RigTiming(scenario.loop.sample_period, scenario.loop.delay, own.source, own.filter_time)
 
 
-def loop_of(plant: Plant, timing: Timing) -> SampledLoop:
+def loop_of(plant: Plant, timing: RigTiming) -> SampledLoop:
     """The loop of a plant."""
-    return sampled_loop(plant, *timing.counted())
+    return sampled_loop(plant, timing.counted())
 
 
-def edge_of(plant: Plant, timing: Timing, derivative: float) -> Edge:
+def edge_of(plant: Plant, timing: RigTiming, derivative: float) -> Edge:
     """The critical gain at a derivative gain [s/m]."""
     return named(loop_onset(loop_of(plant, timing), derivative), timing)
 
 
-def named(onset: Onset | None, timing: Timing) -> Edge:
+def named(onset: Onset | None, timing: RigTiming) -> Edge:
     """An onset in Hz."""
     if onset is None:
         return Edge(math.inf, "none", 0.0)
     return Edge(onset.gain, onset.kind, onset.angle / (2.0 * math.pi * timing.period))
 
 
-def margins_of(plant: Plant, timing: Timing, gain: float, derivative: float) -> Margins:
+def margins_of(plant: Plant, timing: RigTiming, gain: float, derivative: float) -> Margins:
     """Its margins at gains [1/m], [s/m]; the delay margin is still in sampling periods."""
-    return margins(plant, gain, derivative, *timing.counted(), longest=LATEST)
+    return margins(plant, gain, derivative, timing.counted(), longest=LATEST)
 
 
-def suggested(plants: list[Plant], timing: Timing, derivative: float) -> float:
+def suggested(plants: list[Plant], timing: RigTiming, derivative: float) -> float:
     """A gain [1/m] that keeps a distance at every point; 0.0 where there is none."""
-    gain = suggested_gain(plants, derivative, *timing.counted())
+    gain = suggested_gain(plants, derivative, timing.counted())
     return gain if math.isfinite(gain) else 0.0

@@ -29,7 +29,7 @@ CAUSES = {
 
 def oscillates_by_theory(loops: Loops) -> Flags:
     """Is a multiplier not inside the unit circle?"""
-    outside = unstable_multipliers(*loops[:6], loops.derivative, loops.filter_time)
+    outside = unstable_multipliers(*loops[:4], loops.timing)
     return np.broadcast_to(outside > 0, np.broadcast_shapes(*(np.shape(value) for value in loops[:9])))
 
 

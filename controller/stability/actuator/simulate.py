@@ -20,7 +20,7 @@ from controller.stability.actuator.held import (
 )
 from controller.stability.actuator.model import Actuator
 from controller.stability.plant import Array
-from controller.stability.sampled import DERIVATIVES
+from controller.stability.timing import Timing
 from twin.kernel import allocating_kernel, kernel
 
 ALPHA = 0.0043  # of the source's digital charts, Figs 5.8 to 5.19
@@ -58,33 +58,14 @@ class Course(NamedTuple):
     outcome: int  # WENT | END | LOST
 
 
-def controller(
-    s: float,
-    d: float,
-    tau: float,
-    delay: float = 0.0,
-    derivative: str = "measured",
-    filter_time: float | None = None,
-    limit: float = 1.0,
-) -> Sampled:
-    """A checked controller; delay and filter time in sampling periods. ValueError for what cannot be."""
+def controller(s: float, d: float, timing: Timing, limit: float = 1.0) -> Sampled:
+    """A checked controller; one period, one delay. ValueError for what cannot be."""
+    tau, delay = float(np.asarray(timing.tau)), float(np.asarray(timing.delay))
     named = {"s": s, "d": d, "delay": delay, "tau": tau, "limit": limit}
     for name, value in named.items():
         if not (math.isfinite(value) or name == "limit") or not value >= 0.0 or (name == "tau" and value == 0.0):
             raise ValueError(f"{name} {value} must be {'above' if name == 'tau' else 'at least'} 0, and finite")
-    kept = kept_of(derivative, filter_time)
-    return Sampled(float(s), float(d), float(tau), float(delay), derivative == "measured", kept, float(limit))
-
-
-def kept_of(derivative: str, filter_time: float | None) -> float:
-    """How much of its last estimate a derivative keeps. ValueError for an unknown one, or without its filter time."""
-    if derivative not in DERIVATIVES:
-        raise ValueError(f"derivative {derivative!r} is none of {', '.join(map(repr, DERIVATIVES))}")
-    if derivative != "filtered":
-        return 0.0
-    if filter_time is None or not 0.0 <= filter_time < math.inf:
-        raise ValueError(f"derivative 'filtered' needs a filter time of 0 or more sampling periods, not {filter_time}")
-    return math.exp(-1.0 / filter_time) if filter_time > 0.0 else 0.0
+    return Sampled(float(s), float(d), tau, delay, timing.derivative == "measured", timing.kept, float(limit))
 
 
 def displaced(y1: float) -> Array:

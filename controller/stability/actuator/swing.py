@@ -25,9 +25,9 @@ from controller.stability.actuator.simulate import (
     Tally,
     controller,
     follow,
-    kept_of,
 )
 from controller.stability.plant import Array
+from controller.stability.timing import Timing
 from twin.kernel import allocating_kernel
 
 PERIODS, LASTING = 300, 600.0  # sampling periods; 1/omega, some 130 swings of the oil spring
@@ -52,6 +52,11 @@ class Loops(NamedTuple):
     start: ArrayLike  # displacement of the piston, in units of alpha
     derivative: str  # "measured" | "backward" | "filtered"
     filter_time: float | None  # sampling periods
+
+    @property
+    def timing(self) -> Timing:
+        """Times of the controllers."""
+        return Timing(self.tau, self.delay, self.derivative, self.filter_time)
 
 
 PLAIN = Loops(0.5, 0.0, 0.1, 0.23, 3.0, 0.0, ALPHA, 1.0, START, "measured", None)  # amid the source's digital charts
@@ -112,9 +117,9 @@ def checked(loops: Loops) -> float:
     if not np.all(far < 1.0):
         raise ValueError(f"start {far.max():g} chamber lengths from the middle: the cylinder ends at 1")
     for extreme in (np.min, np.max):
-        worst = {name: float(extreme(numbers[name])) for name in ("s", "d", "tau", "delay", "limit")}
-        controller(**worst, derivative=loops.derivative, filter_time=loops.filter_time)
-    return kept_of(loops.derivative, loops.filter_time)
+        s, d, tau, delay, limit = (float(extreme(numbers[name])) for name in ("s", "d", "tau", "delay", "limit"))
+        controller(s, d, loops.timing._replace(tau=tau, delay=delay), limit)
+    return loops.timing.kept
 
 
 @allocating_kernel

@@ -29,6 +29,7 @@ from controller.stability.orbits.stroboscope import (
 )
 from controller.stability.plant import SQRT2, Array, Plant, linear_actuator
 from controller.stability.sampled import SampledLoop, closed, sampled_loop
+from controller.stability.timing import Timing
 
 FIRST = 1e-2  # size of the first orbit: swing of the pressures, in units of the supply pressure
 LONGEST = 0.1  # between neighbours of a branch, in these units
@@ -51,9 +52,9 @@ class Orbit(NamedTuple):
 def linear_loop(plant: Plant, loop: Sampled) -> SampledLoop:
     """The linear loop under the same controller."""
     if loop.measured:
-        return sampled_loop(plant, loop.tau, loop.delay, "measured")
+        return sampled_loop(plant, Timing(loop.tau, loop.delay))
     lag = -1.0 / np.log(loop.kept) if loop.kept > 0.0 else 0.0
-    return sampled_loop(plant, loop.tau, loop.delay, "filtered" if lag else "backward", lag or None)
+    return sampled_loop(plant, Timing(loop.tau, loop.delay, "filtered" if lag else "backward", lag or None))
 
 
 def opened(plant: Held, opening: float) -> Plant:
