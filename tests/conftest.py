@@ -1,4 +1,10 @@
-"""Hypothesis without deadlines (the first call compiles) and with the same examples on every machine; the watchdog."""
+"""Hypothesis without deadlines (the first call compiles) and with the same examples on every machine; the watchdog.
+
+Signals that whoever started pytest ignores, as a shell does for a command in the background or `nohup`, have their
+default meaning here: the processes that tests start and end inherit it.
+"""
+
+import signal
 
 from hypothesis import settings
 
@@ -12,3 +18,7 @@ from tests.support.watchdog import (  # noqa: F401  pytest finds these here
 
 settings.register_profile("hydrotwin", deadline=None, derandomize=True, database=None, print_blob=True)
 settings.load_profile("hydrotwin")
+
+for _number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    if signal.getsignal(_number) is signal.SIG_IGN:
+        signal.signal(_number, signal.default_int_handler if _number == signal.SIGINT else signal.SIG_DFL)
