@@ -152,7 +152,10 @@ def test_theory_that_would_take_minutes_is_left_out_and_said_to_be():
 
 
 def test_a_check_with_a_long_delay_takes_seconds(tmp_path: Path):
-    done = hydrotwin("check", "step", "--set", "duration=1", "--set", "loop.delay=4", "-o", str(tmp_path), timeout=60)
+    long = ("--set", "duration=1", "--set", "loop.delay=4")
+    done = hydrotwin("check", "step", *long, "-o", str(tmp_path), timeout=60)
+    assert "limit cycle" in done.stdout
+    done = hydrotwin("run", "step", "--mode", "inprocess", *long, "--record", str(tmp_path / "a.mcap"), timeout=60)
     assert "the linear theory was left out" in done.stdout.replace("\n", " ")
 
 

@@ -40,7 +40,7 @@ def test_runs_lie_on_the_side_that_theory_says_or_say_why_not(tmp_path: Path):
     assert {run["cause"] for run in runs} <= set(CAUSES) - {"unexplained"}
     page = (tmp_path / "m.html").read_text()
     assert CAUSES["hard"] in page
-    assert "runs of the nonlinear actuator, let go 3 alpha beside its target" in page
+    assert "runs of the nonlinear actuator, let go 3 alpha from its target" in page
     assert "http" not in page
 
 

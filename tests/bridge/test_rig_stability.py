@@ -84,7 +84,7 @@ def test_with_a_leak_the_small_swing_is_that_about_rest():
 
 
 def test_causes_are_named():
-    with pytest.raises(ValueError, match="'wear' is none of overlap"):
+    with pytest.raises(ValueError, match=r"cause 'wear' is unknown \(valid: overlap, friction"):
         with_causes(load("step"), ["wear"])
 
 

@@ -14,14 +14,14 @@ from bridge.figures.transients.course import (
     RESTART,
     SPEEDS,
     START,
-    Transient,
+    Excerpt,
     combined,
+    excerpt_columns,
     experiment,
     experiment_columns,
     impingement,
     load_change,
     schedule,
-    transient_columns,
 )
 from bridge.scenario import load
 from tests.support.plant import BAR
@@ -38,10 +38,10 @@ def between(time: np.ndarray, begin: float, end: float) -> np.ndarray:
     return (time >= begin) & (time < end)
 
 
-def period(transient: Transient, letter: str) -> np.ndarray:
+def period(excerpt: Excerpt, letter: str) -> np.ndarray:
     """Where a period of a figure is."""
-    number = transient.letters.index(letter)
-    return between(transient.course.time, *transient.bounds[number : number + 2])
+    number = excerpt.letters.index(letter)
+    return between(excerpt.transient.time, *excerpt.bounds[number : number + 2])
 
 
 @pytest.mark.parametrize("speed", SPEEDS)
@@ -95,14 +95,14 @@ def test_the_shut_in_load_rests_within_what_the_seals_hold_and_falls_by_the_leak
 def test_the_load_change_opens_the_relief_valve_and_it_shuts_again():
     """2.29: open within 25 ms of the contact, shut well before the valve moves back."""
     figure = load_change()
-    time, passing = figure.course.time, figure.course.relieved > 0.0
+    time, passing = figure.transient.time, figure.transient.relieved > 0.0
     _, start, contact, stop, _ = figure.bounds
     assert start == pytest.approx(0.976, abs=FINE)
     assert contact == pytest.approx(1.08 + 0.03, abs=0.01)  # the source's valve opened at once, this one in 30 ms
     assert passing[between(time, contact, contact + 0.025)].any()
     assert not passing[between(time, contact + 0.05, figure.bounds[-1])].any()
     assert not passing[period(figure, "a, b")].any()
-    peak = figure.course.p1[between(time, contact, contact + 0.05)].max()
+    peak = figure.transient.p1[between(time, contact, contact + 0.05)].max()
     assert 67 * BAR < peak < 80 * BAR
     assert stop == pytest.approx(1.376, abs=FINE)
 
@@ -112,9 +112,9 @@ def test_the_piston_rises_as_the_pump_gives(figure, letter: str):
     """In the last 50 ms before the next event: v = Q(p1)/A_l within 3 %, the source's 0.38 m/s within 5 %."""
     shown, circuit = figure(), build(values(), 50e-6)
     end = shown.bounds[shown.letters.index(letter) + 1]
-    last = between(shown.course.time, end - 0.05, end - 0.001)
-    speed = np.polyfit(shown.course.time[last], shown.course.position[last], 1)[0]
-    flow = pump_flow(float(shown.course.p1[last].mean()), 1.0, circuit.parts.pump)
+    last = between(shown.transient.time, end - 0.05, end - 0.001)
+    speed = np.polyfit(shown.transient.time[last], shown.transient.position[last], 1)[0]
+    flow = pump_flow(float(shown.transient.p1[last].mean()), 1.0, circuit.parts.pump)
     assert speed == pytest.approx(flow / circuit.parts.cylinder.area_lower, rel=0.03)
     assert speed == pytest.approx(0.38, rel=0.05)
 
@@ -122,7 +122,7 @@ def test_the_piston_rises_as_the_pump_gives(figure, letter: str):
 def test_the_impact_starves_the_upper_chamber_and_the_relief_valve_takes_all():
     """2.30: a peak in p2, p3 at the vapour pressure over a cavity, then p1 at the setting."""
     figure = impingement()
-    course, (_, start, impact, end) = figure.course, figure.bounds
+    course, (_, start, impact, end) = figure.transient, figure.bounds
     assert start == pytest.approx(2.6, abs=FINE)
     after = between(course.time, impact, impact + 0.1)
     assert course.p2[after].max() > 80 * BAR
@@ -138,13 +138,13 @@ def test_the_impact_starves_the_upper_chamber_and_the_relief_valve_takes_all():
 def test_p2_dips_when_the_valve_joins_it_to_the_idle_line():
     """The source: a slight depression in p2 as pipe 2 is connected, then a peak of about 70 bar; here it is higher."""
     figure = impingement()
-    course, start = figure.course, figure.bounds[1]
+    course, start = figure.transient, figure.bounds[1]
     joined = between(course.time, start, start + SWITCHED)
     assert course.p2[joined].min() < course.p2[period(figure, "a, b")].min() - 5 * BAR
     assert 70 * BAR < course.p2[between(course.time, start, start + 0.1)].max() < 95 * BAR
 
 
-@pytest.mark.parametrize("table", [experiment_columns, lambda: transient_columns(load_change())])
+@pytest.mark.parametrize("table", [experiment_columns, lambda: excerpt_columns(load_change())])
 def test_no_pressure_is_below_vapour_and_vapour_means_a_cavity(table):
     columns = table()
     for tap in ("p1 [Pa]", "p2 [Pa]", "p3 [Pa]"):
@@ -155,7 +155,7 @@ def test_no_pressure_is_below_vapour_and_vapour_means_a_cavity(table):
 
 
 def test_periods_are_numbered_in_the_table():
-    columns = transient_columns(load_change())
+    columns = excerpt_columns(load_change())
     name = "period [1 a and b; 2 c; 3 d; 4 e]"
     assert sorted(set(columns[name])) == [1.0, 2.0, 3.0, 4.0]
     assert (np.diff(columns[name]) >= 0.0).all()

@@ -120,7 +120,7 @@ def fingerprint() -> str:
 @pytest.mark.parametrize("threads", ["1", "2"])
 def test_same_bits_in_another_process(threads: str):
     """Also with another number of threads for linear algebra, as a process pinned to a core has."""
-    code = "from tests.test_line_fit_scattering import fingerprint; print(fingerprint())"
+    code = "from tests.twin.test_line_fit_scattering import fingerprint; print(fingerprint())"
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": threads}
     other = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
     assert other.stdout.strip() == fingerprint()

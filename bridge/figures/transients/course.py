@@ -46,10 +46,10 @@ class Transient(NamedTuple):
     cavities: Array  # vapour in all places [m^3]
 
 
-class Transient(NamedTuple):
-    """A part of a course with the periods of the source."""
+class Excerpt(NamedTuple):
+    """A part of a transient with the periods of the thesis."""
 
-    course: Transient
+    transient: Transient
     bounds: tuple[float, ...]  # [s]: begin of the first period, of each further one, end of the last
     letters: tuple[str, ...]
 
@@ -86,18 +86,18 @@ def experiment(speed: int) -> Transient:
 
 
 @cache
-def load_change() -> Transient:
+def load_change() -> Excerpt:
     """Figure 2.29."""
-    return _transient("load-change", 0.9, 1.5, "contact", ("a, b", "c", "d", "e"))
+    return _excerpt("load-change", 0.9, 1.5, "contact", ("a, b", "c", "d", "e"))
 
 
 @cache
-def impingement() -> Transient:
+def impingement() -> Excerpt:
     """Figure 2.30."""
-    return _transient("impingement", 2.4, 3.3, "impact", ("a, b", "c", "d"))
+    return _excerpt("impingement", 2.4, 3.3, "impact", ("a, b", "c", "d"))
 
 
-def _transient(name: str, begin: float, end: float, event: str, letters: tuple[str, ...]) -> Transient:
+def _excerpt(name: str, begin: float, end: float, event: str, letters: tuple[str, ...]) -> Excerpt:
     scenario = load(name, [f"duration={end}", f"loop.daq_period={FINE}", "expect=[]"])
     course = run(scenario)
     circuit = circuit_of(scenario)
@@ -106,25 +106,25 @@ def _transient(name: str, begin: float, end: float, event: str, letters: tuple[s
     bounds = begin, _first(course.time, travel > 0.0), happened, _first(course.time, travel < 0.0), end
     inside = (course.time >= begin - 0.5 * FINE) & (course.time <= end + 0.5 * FINE)
     part = Transient(*(column[inside] for column in course))
-    return Transient(part, tuple(bound for bound in bounds if np.isfinite(bound)), letters)
+    return Excerpt(part, tuple(bound for bound in bounds if np.isfinite(bound)), letters)
 
 
 def _first(time: Array, happening: NDArray[np.bool_]) -> float:
     return float(time[np.argmax(happening)]) if happening.any() else np.nan
 
 
-def columns_of(course: Transient) -> Columns:
-    """A course as a table."""
+def columns_of(transient: Transient) -> Columns:
+    """A transient as a table."""
     return {
-        "time [s]": course.time,
-        "p1 [Pa]": course.p1,
-        "p2 [Pa]": course.p2,
-        "p3 [Pa]": course.p3,
-        "position [m]": course.position,
-        "carried mass [kg]": course.mass,
-        "relief flow [m^3/s]": course.relieved,
-        "relief valve [0 shut; 1 open]": (course.relieved > 0.0).astype(float),
-        "cavities [m^3]": course.cavities,
+        "time [s]": transient.time,
+        "p1 [Pa]": transient.p1,
+        "p2 [Pa]": transient.p2,
+        "p3 [Pa]": transient.p3,
+        "position [m]": transient.position,
+        "carried mass [kg]": transient.mass,
+        "relief flow [m^3/s]": transient.relieved,
+        "relief valve [0 shut; 1 open]": (transient.relieved > 0.0).astype(float),
+        "cavities [m^3]": transient.cavities,
     }
 
 
@@ -138,8 +138,8 @@ def _speed_column(speed: int) -> Columns:
     return {"pump speed [1/s]": np.full(len(experiment(speed).time), speed / 60.0)}
 
 
-def transient_columns(transient: Transient) -> Columns:
+def excerpt_columns(excerpt: Excerpt) -> Columns:
     """Figure 2.29 or 2.30, with the number of the period."""
-    period = np.searchsorted(transient.bounds[1:-1], transient.course.time, side="right") + 1.0
-    words = "; ".join(f"{number} {letter.replace(', ', ' and ')}" for number, letter in enumerate(transient.letters, 1))
-    return columns_of(transient.course) | {f"period [{words}]": period}
+    period = np.searchsorted(excerpt.bounds[1:-1], excerpt.transient.time, side="right") + 1.0
+    words = "; ".join(f"{number} {letter.replace(', ', ' and ')}" for number, letter in enumerate(excerpt.letters, 1))
+    return columns_of(excerpt.transient) | {f"period [{words}]": period}

@@ -19,12 +19,12 @@ from bridge.figures.transients.course import (
     FINE,
     LENGTH,
     SPEEDS,
-    Transient,
+    Excerpt,
+    excerpt_columns,
     experiment,
     experiment_columns,
     impingement,
     load_change,
-    transient_columns,
 )
 
 TAPS = {"p1": "#1f5fbf", "p2": "#1e8f4e", "p3": "#cc2f2f"}  # as in the source
@@ -95,10 +95,10 @@ def draw_impingement() -> tuple[Columns, Sheet]:
     return _draw(impingement(), "2.30  Impingement: 303 kg run into the upper stop, pump at 1230 rpm", (120.0, 285.0))
 
 
-def _draw(transient: Transient, title: str, reach: tuple[float, float]) -> tuple[Columns, Sheet]:
+def _draw(excerpt: Excerpt, title: str, reach: tuple[float, float]) -> tuple[Columns, Sheet]:
     from matplotlib.ticker import MultipleLocator
 
-    course = transient.course
+    course = excerpt.transient
     page, panels = stack(title, [1.0, 1.0, 0.8, 0.8])
     for axes, (tap, colour) in zip(panels, TAPS.items(), strict=False):
         values = 1e-5 * getattr(course, tap)
@@ -120,20 +120,20 @@ def _draw(transient: Transient, title: str, reach: tuple[float, float]) -> tuple
     panels[3].plot(course.time, 1e3 * course.position, color="black", linewidth=1.4)
     panels[3].set_ylim(*reach)
     label(panels[3], "time [s]", "x [mm]")
-    panels[3].set_xlim(transient.bounds[0], transient.bounds[-1])
+    panels[3].set_xlim(excerpt.bounds[0], excerpt.bounds[-1])
     for axes in panels:
-        for bound in transient.bounds[1:-1]:
+        for bound in excerpt.bounds[1:-1]:
             axes.axvline(bound, color="0.45", linewidth=0.8, linestyle=(0, (4, 3)))
-    _name_periods(panels[0], transient)
+    _name_periods(panels[0], excerpt)
     page.align_ylabels(panels)
     remark(page, NOTE + f"every {1e3 * FINE:g} ms.  Red: oil passes the relief valve.")
-    return transient_columns(transient), page
+    return excerpt_columns(excerpt), page
 
 
-def _name_periods(axes: Axes, transient: Transient) -> None:
+def _name_periods(axes: Axes, excerpt: Excerpt) -> None:
     arrow = {"arrowstyle": "<->", "color": "0.3", "linewidth": 0.9, "shrinkA": 0.0, "shrinkB": 0.0}
     across = axes.get_xaxis_transform()
-    for letter, begin, end in zip(transient.letters, transient.bounds, transient.bounds[1:], strict=False):
+    for letter, begin, end in zip(excerpt.letters, excerpt.bounds, excerpt.bounds[1:], strict=False):
         axes.annotate("", (begin, 1.06), (end, 1.06), across, across, arrowprops=arrow, annotation_clip=False)
         words = " (".join(f"{part})" for part in letter.split(", "))
         axes.text(0.5 * (begin + end), 1.10, f"({words}", transform=across, ha="center", va="bottom", fontsize=9)
