@@ -8,6 +8,8 @@ from pathlib import Path
 from bridge.machine.children import python
 from bridge.machine.process import NOTE
 
+GRACE = 2.0  # seconds from being asked to end to being killed
+
 
 class Child:
     """A process of ours, with its words kept."""
@@ -40,9 +42,17 @@ class Child:
         lines = self.words.read_text(errors="replace").splitlines()
         return [f"{self.role}: {line.removeprefix(NOTE)}" for line in lines if line.startswith(NOTE)]
 
-    def end(self) -> None:
-        """Make sure that it is gone."""
+    def ask(self) -> None:
+        """Ask it to end: a recorder closes its file then."""
         if not self.ended():
             self.process.send_signal(signal.SIGCONT)
+            self.process.terminate()
+
+    def end(self) -> None:
+        """Make sure that it is gone, within GRACE."""
+        self.ask()
+        try:
+            self.process.wait(GRACE)
+        except subprocess.TimeoutExpired:
             self.process.kill()
-        self.process.wait()
+            self.process.wait()

@@ -61,6 +61,8 @@ class Supervisor:
                 self._watch(endpoint)
             finally:
                 for child in self.children:
+                    child.ask()
+                for child in self.children:
                     child.end()
                     self.notes += child.notes()
         self.recorded = _state(self.options.recording) not in (None, before)

@@ -165,8 +165,10 @@ def test_the_first_difference_is_found_where_it_is(runs: list[Path]):
     """Another mass tells at once; another gain not before the reference steps, at 1 s, and the command acts."""
     found = {d.signal: d for d in signal_differences(load_run(runs[0]), load_run(runs[1]))}
     assert found["p_lower"].first == 0.0
-    assert found["spool"].first is not None
-    assert found["spool"].at >= 1.0
+    spool = found["spool"]
+    assert spool.first is not None
+    assert spool.at is not None
+    assert spool.at >= 1.0
 
 
 def test_a_thinned_curve_keeps_its_peaks_and_its_mean():

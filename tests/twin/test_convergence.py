@@ -79,7 +79,7 @@ def test_scheme_agrees_with_radau_on_the_rates(start: float, reference: float):
     s = moving_point(c, 0.1, start)
     sizes = np.array([1e-4 * 1e5] * 9 + [1e-4] * 6 + [0.1, 0.1, 1.0, 10.0])
     radau = integrate(
-        lambda _, y: vector_rates(y * sizes, reference, c) / sizes,
+        lambda _, y: vector_rates(np.asarray(y * sizes, float), reference, c) / sizes,
         (0.0, 0.06), to_vector(s) / sizes, "Radau", most=100_000, rtol=1e-9, atol=1e-11, max_step=2e-3,
     )  # fmt: skip
     end = radau.y[:, -1] * sizes

@@ -115,8 +115,8 @@ def _numbers(part: Any) -> Iterator[float]:
 def unflatten(array: NDArray[np.float64]) -> State:
     """The state back from its numbers; a copy."""
     kept = array.copy()
-    ends = kept[ENDS_AT:LINES_AT].reshape(-1, len(ENDS))
-    return State(load(kept), Ends(*ends, kept[LINES_AT:MEMORY_AT]), kept[MEMORY_AT:])
+    ends = [*kept[ENDS_AT:LINES_AT].reshape(-1, len(ENDS)), kept[LINES_AT:MEMORY_AT]]
+    return State(load(kept), Ends._make(ends), kept[MEMORY_AT:])
 
 
 @inlined

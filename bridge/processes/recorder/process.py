@@ -47,7 +47,7 @@ class RecorderProcess:
         self.patience = patience
         self.path = path
         self.stop = stop
-        self.begun = begun  # called once there is a file to be closed in order
+        self.begun = begun  # called before there is a file: from then on it must be closed in order
         self.request = request or Request()
         self.overflow: Counter[str] = Counter()  # messages per topic that there was no room for
         self._most = 0  # messages that have waited at a time
@@ -63,8 +63,9 @@ class RecorderProcess:
 
     def run(self) -> list[Path]:
         """Record until the plant has ended or is gone. Raises RunError when no plant answers or the disk refuses."""
-        file = self._opened(self.path, self._manifest(), 0)
+        manifest = self._manifest()
         self.begun()
+        file = self._opened(self.path, manifest, 0)
         self.bus.announce()
         self._began = time.process_time(), time.monotonic()
         while not self.stop() and not self._over(file):
