@@ -34,7 +34,7 @@ class Band(NamedTuple):
     limit: float  # in the unit of the metric
 
 
-class Verdict(NamedTuple):
+class BandResult(NamedTuple):
     metric: str
     value: float
     relation: str
@@ -60,15 +60,15 @@ class WindowBand(NamedTuple):
     limit: float  # in the unit of the signal
 
 
-def judge(metrics: Metrics, bands: list[Band]) -> list[Verdict]:
-    """One verdict per band; NaN never passes. Raises ValueError for an unknown metric or relation."""
-    return [_verdict(metrics, band) for band in bands]
+def judge(metrics: Metrics, bands: list[Band]) -> list[BandResult]:
+    """One result per band; NaN never passes. Raises ValueError for an unknown metric or relation."""
+    return [_result(metrics, band) for band in bands]
 
 
-def _verdict(metrics: Metrics, band: Band) -> Verdict:
+def _result(metrics: Metrics, band: Band) -> BandResult:
     if band.metric not in Metrics._fields:
         raise ValueError(f"no metric {band.metric!r}; there are {', '.join(Metrics._fields)}")
     if band.relation not in RELATIONS:
         raise ValueError(f"relation {band.relation!r} of {band.metric} is none of {', '.join(RELATIONS)}")
     value = getattr(metrics, band.metric)
-    return Verdict(band.metric, value, band.relation, band.limit, RELATIONS[band.relation](value, band.limit))
+    return BandResult(band.metric, value, band.relation, band.limit, RELATIONS[band.relation](value, band.limit))

@@ -15,16 +15,16 @@ Array = npt.NDArray[np.floating]
 COMPUTED: dict[str, Callable[[Array], Any]] = dict(zip(STATISTICS, (np.mean, np.min, np.max), strict=True))
 
 
-class WindowVerdict(NamedTuple):
+class WindowResult(NamedTuple):
     """The statistic found, NaN for a window without a sample, and whether it keeps the band."""
 
     value: float
     passed: bool
 
 
-def judge_window(band: WindowBand, time: Array, signal: Array, moments: Mapping[str, float]) -> WindowVerdict:
-    """The verdict on one band. time: [s]; moments: [s], NaN for one that never came, which no band passes."""
+def judge_window(band: WindowBand, time: Array, signal: Array, moments: Mapping[str, float]) -> WindowResult:
+    """The result for one band. time: [s]; moments: [s], NaN for one that never came, which no band passes."""
     begin, end = (moments[moment.name] + moment.offset for moment in (band.begin, band.end))
     inside = signal[(time >= begin - 1e-9) & (time <= end + 1e-9)]
     value = float(COMPUTED[band.statistic](inside)) if inside.size else float("nan")
-    return WindowVerdict(value, bool(RELATIONS[band.relation](value, band.limit)))
+    return WindowResult(value, bool(RELATIONS[band.relation](value, band.limit)))

@@ -64,7 +64,7 @@ def _index(name: int | str, labels: list[str], what: str) -> int:
     return name
 
 
-def held(plant: Plant, time: ArrayLike) -> tuple[Array, Array]:
+def zero_order_hold(plant: Plant, time: ArrayLike) -> tuple[Array, Array]:
     """Phi = exp(a t) and Gamma, its integral over [0, t] times b: a held input u makes Phi x + Gamma u.
 
     time broadcasts with the stack. A single plant is balanced first (by powers of two, which round nothing): its

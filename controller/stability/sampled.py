@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from controller.stability.crossing import first_loss
-from controller.stability.plant import Array, Plant, held, linear_actuator
+from controller.stability.plant import Array, Plant, linear_actuator, zero_order_hold
 from controller.stability.timing import Timing
 
 
@@ -50,11 +50,11 @@ def sampled_loop(plant: Plant, timing: Timing) -> SampledLoop:
 def _carry(free: Array, entry: Array, plant: Plant, tau: Array, delay: Array, past: int) -> None:
     """One period: the older input acts for a share f, the younger for the rest; then the inputs move on by one."""
     n, f = plant.b.shape[-1], delay - np.maximum(past - 1, 0)  # f = 1: a delay of whole periods
-    older, rest = held(plant, f * tau), held(plant, (1.0 - f) * tau)
+    older, rest = zero_order_hold(plant, f * tau), zero_order_hold(plant, (1.0 - f) * tau)
     if past == 0:
-        free[..., :n, :n], entry[..., :n] = held(plant, tau)
+        free[..., :n, :n], entry[..., :n] = zero_order_hold(plant, tau)
         return
-    free[..., :n, :n] = held(plant, tau)[0]
+    free[..., :n, :n] = zero_order_hold(plant, tau)[0]
     free[..., :n, n + past - 1] = np.einsum("...ij,...j", rest[0], older[1])
     if past == 1:
         entry[..., :n] = rest[1]

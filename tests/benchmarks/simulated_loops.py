@@ -12,15 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from controller.stability import Timing
+from controller.stability.actuator.disagreement import causes
 from controller.stability.actuator.model import TABLE_5_1, Actuator, omega
-from controller.stability.actuator.parting import causes
+from controller.stability.actuator.oscillation import oscillations
 from controller.stability.actuator.simulate import (
     ALPHA,
     controller,
     displaced,
     simulate,
 )
-from controller.stability.actuator.swing import swings
 from tests.benchmarks.plant import Row
 from tests.benchmarks.sweeps import HOPSAN
 from tests.support.random_loops import SIDES, STARTS, random_loops
@@ -54,7 +54,7 @@ def edges(count: int) -> Iterator[Row]:
     found, begin, runs = Counter(), time.perf_counter(), count * SIDES.size * STARTS.size
     for loop in random_loops(5, count):
         at = loop._replace(s=SIDES * loop.s, start=STARTS)
-        said = causes(at, swings(at))
+        said = causes(at, oscillations(at))
         found.update((row, column, str(said[row, column])) for row, column in np.ndindex(said.shape))
     for row, start in enumerate(STARTS[:, 0]):
         for column, side in enumerate(SIDES):

@@ -12,7 +12,7 @@ from bridge.studies.stability.actuator_runs import actuator_runs, run_of
 from bridge.studies.stability.chart import Plainly
 from bridge.studies.sweep.engine import HERE
 from bridge.studies.sweep.journal import Journal
-from controller.stability.actuator.parting import CAUSES
+from controller.stability.actuator.disagreement import CAUSES
 
 
 def invoke(*words: str):

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from controller.stability import Timing, critical_gain
-from controller.stability.actuator.held import Held
+from controller.stability.actuator.constant_command import SimulatedActuator
 from controller.stability.actuator.model import Actuator
+from controller.stability.actuator.oscillation import PLAIN, oscillations
 from controller.stability.actuator.simulate import controller, displaced, simulate
-from controller.stability.actuator.swing import PLAIN, swings
-from controller.stability.orbits.branch import branch
+from controller.stability.orbits.branch import advance, branch
 from controller.stability.orbits.period_two import flip_at, orbits, softness
 from controller.stability.orbits.stroboscope import mirrored, period
 
-PLANT = Held(Actuator(0.0043, 0.23, 0.1), 0.0, 1e-11)
+PLANT = SimulatedActuator(Actuator(0.0043, 0.23, 0.1), 0.0, 1e-11)
 LOOPS = {
     "soft": controller(0.0, 0.0, Timing(3.0)),
     "hard": controller(0.0, 0.0, Timing(10.0)),
@@ -30,7 +30,9 @@ def test_a_branch_goes_round_a_circle():
     def circle(z):
         return np.array([z @ z - 1.0]), 2.0 * z[None, :]
 
-    points = np.array(list(islice(branch(np.array([1.0, 0.01]), np.array([0.0, 1.0]), circle, 0.1), 80)))
+    up = np.array([0.0, 1.0])
+    start = advance(np.array([1.0, 0.01]), up, 0.0, circle)[0]
+    points = np.array([point.z for point in islice(branch(start, up, circle, 0.1), 80)])
     assert np.linalg.norm(points, axis=1) == pytest.approx(1.0, abs=1e-9)
     assert points.min(axis=0) == pytest.approx(-1.0, abs=3e-3)
     assert points.max(axis=0) == pytest.approx(1.0, abs=3e-3)
@@ -75,7 +77,7 @@ def test_a_hard_flip_has_unstable_orbits_below_it_and_stable_ones_past_a_fold():
     assert not stable[:fold].any()
     assert stable[fold + 1 :].all()
     assert min(abs(found[i].multipliers - 1.0).min() for i in (fold - 1, fold, fold + 1)) < 0.1
-    wide = swings(PLAIN._replace(tau=10.0, s=[gains[fold] * 0.995, gains[fold] * 1.005], start=3.0))
+    wide = oscillations(PLAIN._replace(tau=10.0, s=[gains[fold] * 0.995, gains[fold] * 1.005], start=3.0))
     np.testing.assert_array_equal(wide.oscillates, [False, True])
 
 

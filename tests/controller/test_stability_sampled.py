@@ -131,7 +131,7 @@ def swings(case: Case, periods: int) -> float:
 def test_the_law_loses_stability_at_the_critical_gain(
     d: float, k: float, gamma: float, tau: float, delay: float, derivative: str, lag: float
 ):
-    """Swings die out 2 % below the edge and grow 2 % above it, in 1200 periods."""
+    """Oscillations die out 2 % below the edge and grow 2 % above it, in 1200 periods."""
     lag_of = lag if derivative == "filtered" else None
     edge = critical_gain(d, k, gamma, Timing(tau, delay, derivative, lag_of))
     assert isinstance(edge, float)

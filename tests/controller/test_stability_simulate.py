@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from controller.stability import Timing, loop_onset, monodromy
-from controller.stability.actuator.held import (
+from controller.stability.actuator.constant_command import (
     LONGEST,
     STATE,
-    Held,
+    SimulatedActuator,
     step_by,
 )
+from controller.stability.actuator.disagreement import causes, oscillates_by_theory
 from controller.stability.actuator.model import Actuator, field
-from controller.stability.actuator.parting import causes, oscillates_by_theory
+from controller.stability.actuator.oscillation import KEPT, PLAIN, oscillations
 from controller.stability.actuator.simulate import (
     END,
     WENT,
@@ -22,7 +23,6 @@ from controller.stability.actuator.simulate import (
     simulate,
 )
 from controller.stability.actuator.stiff import stiff_step_by
-from controller.stability.actuator.swing import KEPT, PLAIN, swings
 from controller.stability.orbits.period_two import linear_loop
 from controller.stability.orbits.stroboscope import mirrored, period, width_of
 from controller.stability.plant import linear_actuator
@@ -32,7 +32,7 @@ from tests.support.stiff_valve import by_radau
 from twin.integration import integrate
 
 PLANT = Actuator(0.0043, 0.23, 0.1)
-FINE = Held(PLANT, 0.0, 1e-12)
+FINE = SimulatedActuator(PLANT, 0.0, 1e-12)
 NARROW = PLAIN._replace(s=0.6007, d=2.987, k=0.0443, gamma=0.7756, tau=5.2372, alpha=0.2, limit=0.003, start=0.3)
 FAINT = PLAIN._replace(
     d=0.010307, k=0.039635, gamma=0.095, tau=0.50866, derivative="filtered", filter_time=0.52145, start=100.0
@@ -134,7 +134,7 @@ def test_random_loops_swing_on_the_side_of_the_edge_that_theory_says():
     """Let go at 0.01 alpha, 3 % and 10 % beside their critical gain; also how often samples change sides."""
     for loop in random_loops(7, 10):
         at = loop._replace(s=SIDES * loop.s, start=0.01)
-        found, numbers = swings(at), [float(np.asarray(value)) for value in loop[1:6]]
+        found, numbers = oscillations(at), [float(np.asarray(value)) for value in loop[1:6]]
         d, k, gamma, tau, delay = numbers
         np.testing.assert_array_equal(found.oscillates, [False, False, True, True], str(numbers))
         sampled = controller(0.0, d, Timing(tau, delay, loop.derivative, loop.filter_time))
@@ -145,7 +145,7 @@ def test_random_loops_swing_on_the_side_of_the_edge_that_theory_says():
 
 
 def test_a_flip_swings_at_half_the_sampling_frequency():
-    found = swings(PLAIN._replace(s=2.45, tau=3.0))
+    found = oscillations(PLAIN._replace(s=2.45, tau=3.0))
     assert found.oscillates
     assert found.angle == pytest.approx(np.pi)
     assert found.frequency == pytest.approx(np.pi / 3.0, rel=1e-6)
@@ -154,13 +154,13 @@ def test_a_flip_swings_at_half_the_sampling_frequency():
 
 def test_a_piston_on_its_way_does_not_oscillate():
     """A valve that opens by no more than 0.1 % brings it home from 20 % of a chamber in 2000 units and more of time."""
-    found = swings(PLAIN._replace(limit=1e-3, start=0.2 / PLANT.alpha))
+    found = oscillations(PLAIN._replace(limit=1e-3, start=0.2 / PLANT.alpha))
     assert not found.oscillates
     assert found.growth < KEPT
 
 
 def test_a_valve_at_its_limit_is_counted():
-    found = swings(PLAIN._replace(s=[1.0, 5.0], tau=20.0, start=10.0))
+    found = oscillations(PLAIN._replace(s=[1.0, 5.0], tau=20.0, start=10.0))
     assert found.saturated[0] == 0.0
     assert 0.5 < found.saturated[1] < 1.0
     assert found.oscillates[1]
@@ -169,7 +169,7 @@ def test_a_valve_at_its_limit_is_counted():
 def test_a_piston_runs_into_the_end_with_the_valve_open():
     """Soft oil, late: what the shut chamber would catch flows out. It counts as oscillating."""
     loop = PLAIN._replace(s=0.295, d=0.629, tau=6.69, delay=0.963, gamma=0.814, k=0.0287, alpha=0.2, start=0.01)
-    found = swings(loop)
+    found = oscillations(loop)
     assert found.ends
     assert found.oscillates
     assert found.amplitude == 1.0
@@ -223,7 +223,7 @@ def test_oil_stops_the_piston_before_the_end_of_the_cylinder():
     ],
 )
 def test_why_a_run_parts_from_theory(loop, cause, oscillates):
-    found = swings(loop)
+    found = oscillations(loop)
     assert found.oscillates == oscillates
     assert causes(loop, found) == cause
     assert bool(oscillates_by_theory(loop)) == (oscillates != (cause != ""))
@@ -233,7 +233,7 @@ def test_growth_is_that_of_the_largest_multiplier():
     """Over a third of the run, 100 periods: |mu|^100."""
     loop = PLAIN._replace(s=2.36, start=1e-6)
     mu = np.abs(np.linalg.eigvals(monodromy(2.36, 0.0, 0.1, 0.23, Timing(3.0)))).max()
-    found = swings(loop)
+    found = oscillations(loop)
     assert found.growth == pytest.approx(mu**100, rel=0.02)
     assert found.growth > 1.0 / KEPT
 
@@ -251,4 +251,4 @@ def test_growth_is_that_of_the_largest_multiplier():
 )
 def test_what_cannot_be_run_is_refused(change, words):
     with pytest.raises(ValueError, match=words):
-        swings(PLAIN._replace(**change))
+        oscillations(PLAIN._replace(**change))

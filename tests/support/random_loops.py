@@ -3,7 +3,7 @@
 import numpy as np
 
 from controller.stability import critical_gain
-from controller.stability.actuator.swing import PLAIN, Loops
+from controller.stability.actuator.oscillation import PLAIN, Loops
 
 SIDES = np.array([0.9, 0.97, 1.03, 1.1])  # of the critical gain
 STARTS = np.array([0.01, 1.0, 10.0, 100.0])[:, None]  # of alpha; the last is 43 % of a chamber's length

@@ -8,13 +8,13 @@ from bridge.studies.stability.chart import Plainly
 from bridge.studies.stability.chart_drawing import ChartRun, Overlay
 from bridge.studies.sweep.engine import Crew, sweep
 from bridge.studies.sweep.journal import Point
-from controller.stability.actuator.parting import causes
-from controller.stability.actuator.swing import (
+from controller.stability.actuator.disagreement import causes
+from controller.stability.actuator.oscillation import (
     KEPT,
     PLAIN,
     Loops,
     checked,
-    swings,
+    oscillations,
 )
 
 OWN = {"alpha": PLAIN.alpha, "limit": PLAIN.limit, "start": PLAIN.start}  # what linear theory does not ask for
@@ -49,7 +49,7 @@ def point_of(family: Plainly, numbers: Mapping[str, Any]) -> Point:
 def run_of(point: Point) -> dict[str, Any]:
     """What the actuator does at one place, and why it and theory disagree if they do."""
     loop = Loops(**point)
-    found = swings(loop)
+    found = oscillations(loop)
     return {
         "oscillates": bool(found.oscillates),
         "frequency": float(found.frequency) if found.oscillates else 0.0,

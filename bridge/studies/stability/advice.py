@@ -122,8 +122,8 @@ def refuse_other_loops(scenario: Scenario) -> None:
         raise ScenarioError("rig.valve.kind 'switching' has no gain; set rig.valve.kind = 'proportional'")
 
 
-def held(scenario: Scenario) -> Scenario:
-    """The scenario, standing where its reference ends."""
+def at_reference_end(scenario: Scenario) -> Scenario:
+    """The scenario with its start moved to where its reference ends."""
     end = evaluate(scenario.reference.reference(), scenario.duration).position
     place = min(max(end, 0.0), scenario.rig.cylinder.stroke)
     return scenario.model_copy(update={"start": scenario.start.model_copy(update={"position": place})})
@@ -133,7 +133,7 @@ def plants_of(scenario: Scenario) -> dict[str, RigPlant]:
     """The plants about where the reference ends. Raises ScenarioError where the theory has no answer."""
     refuse_other_loops(scenario)
     try:
-        return plants(held(scenario))
+        return plants(at_reference_end(scenario))
     except ValueError as error:
         raise ScenarioError(f"{scenario.name}: no linear model: {error}") from None
 
@@ -147,7 +147,7 @@ def advise(scenario: Scenario) -> Advice:
     patient = suggested([p.plant() for p in found.values()], timing, own.derivative)
     return Advice(
         scenario=scenario.name,
-        held_at=held(scenario).start.position,
+        held_at=at_reference_end(scenario).start.position,
         timing=timing,
         gain=_gain(own.proportional, scenario),
         derivative_gain=_gain(own.derivative, scenario),

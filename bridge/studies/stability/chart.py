@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bridge.errors import nearest
 from bridge.scenario import Scenario
 from bridge.scenario.gains import gains
-from bridge.studies.stability.advice import held, plants_of
+from bridge.studies.stability.advice import at_reference_end, plants_of
 from bridge.studies.stability.rig_loop import timing_of
 from controller.law import per_metre, volts_per_percent
 from controller.stability import SampledLoop, Timing, closed, linear_actuator, multipliers, sampled_loop
@@ -95,7 +95,7 @@ class OfRig(Family):
 
     def __init__(self, scenario: Scenario, point: str = "") -> None:
         found = plants_of(scenario)
-        self.scenario, self.timing = held(scenario), timing_of(scenario)
+        self.scenario, self.timing = at_reference_end(scenario), timing_of(scenario)
         self.about_point = found[point] if point in found else next(iter(found.values()))
         own, times = gains(scenario), {"period": self.timing.period * 1e3, "delay": self.timing.delay * 1e3}
         numbers = {"gain": self.volts(own.proportional), "derivative": self.volts(own.derivative), "damping": 0.0}

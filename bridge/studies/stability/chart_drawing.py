@@ -12,7 +12,7 @@ from bridge.drawing.html import text
 from bridge.errors import writing
 from bridge.studies.stability.chart import Chart
 from bridge.studies.stability.chart_page import PAGE
-from controller.stability.actuator.parting import CAUSES
+from controller.stability.actuator.disagreement import CAUSES
 
 COLOURS = ("#cfe3d4", "#f6d9a8", "#eeb08f", "#d98a86", "#b9677c")  # none, one, two .. multipliers not inside
 GOOD, BAD, RING = "#1f6b39", "#a3231f", "#1c2430"

@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from controller.stability.actuator.held import (
+from controller.stability.actuator.constant_command import (
     LONGEST,
     STATE,
-    Held,
-    Seen,
-    hold,
+    Observed,
+    SimulatedActuator,
+    integrate,
 )
 from controller.stability.actuator.model import Actuator
 from controller.stability.plant import Array
@@ -49,7 +49,7 @@ class Tally(NamedTuple):
     turns: Array  # (3, 3) of the samples: how many, how often they changed sides of it, how many met the valve's limit
 
 
-class Course(NamedTuple):
+class SampledRun(NamedTuple):
     """A run, sample by sample; rows that a run did not come to are NaN."""
 
     time: Array  # (n + 1,)
@@ -59,7 +59,7 @@ class Course(NamedTuple):
 
 
 def controller(s: float, d: float, timing: Timing, limit: float = 1.0) -> Sampled:
-    """A checked controller; one period, one delay. ValueError for what cannot be."""
+    """A checked controller; one period, one delay. ValueError for a number out of range."""
     tau, delay = float(np.asarray(timing.tau)), float(np.asarray(timing.delay))
     named = {"s": s, "d": d, "delay": delay, "tau": tau, "limit": limit}
     for name, value in named.items():
@@ -80,12 +80,12 @@ def simulate(
     periods: int,
     laminar: float = 0.0,
     tolerance: float = TOLERANCE,
-) -> Course:
+) -> SampledRun:
     """Run a loop from a state (4,) for so many sampling periods."""
     states, commands = np.full((periods + 1, 4), np.nan), np.full(periods, np.nan)
-    plant = Held(Actuator(*map(float, actuator)), float(laminar), float(tolerance))
+    plant = SimulatedActuator(Actuator(*map(float, actuator)), float(laminar), float(tolerance))
     outcome = follow(np.array(start, float), plant, loop, periods, states, commands, tally())
-    return Course(loop.tau * np.arange(periods + 1.0), states, commands, outcome)
+    return SampledRun(loop.tau * np.arange(periods + 1.0), states, commands, outcome)
 
 
 def tally() -> Tally:
@@ -104,7 +104,7 @@ def estimate(w, first, memory, loop: Sampled):
 
 
 @allocating_kernel
-def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: Tally):
+def follow(start, plant: SimulatedActuator, loop: Sampled, periods, states, commands, seen: Tally):
     """Run a loop, keep the samples in `states` and `commands` if these have rows, count in `seen`; the outcome."""
     w, stages, trial, memory = start.copy(), np.empty((7, STATE)), np.empty(STATE), np.zeros(2)
     past = math.ceil(loop.delay)
@@ -127,14 +127,14 @@ def follow(start, plant: Held, loop: Sampled, periods, states, commands, seen: T
         before = side if side != 0.0 else before
         if len(states):
             states[i], commands[i] = w, pending[0]
-        of_third = Seen(seen.extremes[third], seen.passages[third])
+        of_third = Observed(seen.extremes[third], seen.passages[third])
         begin = i * loop.tau
         if share > 0.0:
-            size = hold(w, STATE, pending[past], begin, share * loop.tau, size, plant, stages, trial, of_third)
+            size = integrate(w, STATE, pending[past], begin, share * loop.tau, size, plant, stages, trial, of_third)
         if share < 1.0 and size > 0.0:
             younger = pending[max(past - 1, 0)]
             rest = (1.0 - share) * loop.tau
-            size = hold(w, STATE, younger, begin + share * loop.tau, rest, size, plant, stages, trial, of_third)
+            size = integrate(w, STATE, younger, begin + share * loop.tau, rest, size, plant, stages, trial, of_third)
         if size == 0.0:
             return END if abs(w[0]) > NEAR_END else LOST
     if len(states):

@@ -1,4 +1,4 @@
-"""A step of the held actuator for a chamber that a wide open valve fills faster than the piston moves.
+"""A step of the actuator at a constant command, for a chamber that an open valve fills faster than the piston moves.
 
 Near no drop the root's slope is steep, and an explicit step short for nothing. Rodas, of Hairer and Wanner (Solving
 Ordinary Differential Equations II, IV.7): order 4(3), L-stable, six stages with one matrix. That matrix, 1/(g h) - J,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controller.stability.actuator.dormand_prince import ERROR, STAGES
+from controller.stability.actuator.dormand_prince import error_of, stage
 from controller.stability.actuator.model import (
     Actuator,
     Array,
@@ -99,18 +99,11 @@ def stiffness(w, loop: Loop):
 def step_by(w, size, loop: Loop, stages, trial):
     """One step from w (with its rates in stages[0]) into trial; returns the error of the state in units of it."""
     for i in range(1, 7):
-        for n in range(WIDTH):
-            total = 0.0
-            for j in range(i):
-                total += STAGES[i, j] * stages[j, n]
-            trial[n] = w[n] + size * total
+        stage(i, w, WIDTH, size, stages, trial)
         derive(trial, stages[i], loop)
     alpha, worst = loop.actuator.alpha, 0.0
     for n in range(WIDTH):
-        error = 0.0
-        for j in range(7):
-            error += ERROR[j] * stages[j, n]
-        error = abs(size * error)
+        error = error_of(n, size, stages)
         if n < 4:
             worst = max(worst, error / (alpha if n < 2 else 1.0))
         else:

@@ -26,14 +26,7 @@ from scipy.linalg import expm
 from controller.stability.actuator.analogue import analogue_edge, analogue_frequency
 from controller.stability.actuator.model import Actuator, Array, Feedback
 from controller.stability.orbits.arc import CROSSED, PROPORTIONAL, RELAY
-from controller.stability.orbits.limit_cycle import (
-    Orbit,
-    analogue_loop,
-    correct,
-    hold,
-    pack,
-    unpack,
-)
+from controller.stability.orbits.limit_cycle import Orbit, analogue_loop, solve
 
 SQRT2 = math.sqrt(2.0)
 
@@ -56,8 +49,7 @@ def relay_birth(actuator: Actuator, s: float, half_period: float) -> Orbit:
         _start(z[0], z[1], z[2] / actuator.alpha),
         np.array([half_period]),
     )
-    start = pack(guess, "d")
-    return unpack(correct(start, guess.loop, "d", hold(start, -2))[0], guess.loop, "d")
+    return solve(guess, "d", -2)
 
 
 def proportional_birth(actuator: Actuator, d: float, speed: float, kind: int = PROPORTIONAL) -> Orbit:
@@ -71,9 +63,8 @@ def proportional_birth(actuator: Actuator, d: float, speed: float, kind: int = P
     edge, omega = float(analogue_edge(d, k, gamma)), float(analogue_frequency(d, gamma))
     y1, y2 = speed * d / edge, -speed
     node = _start(y1, y2, (k * y2 - omega**2 * y1) / alpha)  # y2' = -omega^2 y1 on the linear orbit
-    start = pack(Orbit(analogue_loop(kind, actuator, Feedback(edge, d)), node, np.array([math.pi / omega])), "s")
     loop = analogue_loop(kind, actuator, Feedback(edge, d))
-    return unpack(correct(start, loop, "s", hold(start, 1))[0], loop, "s")
+    return solve(Orbit(loop, node, np.array([math.pi / omega])), "s", 1)
 
 
 def _start(y1: float, y2: float, difference: float) -> Array:

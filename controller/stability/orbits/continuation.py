@@ -1,8 +1,6 @@
-"""Branches of periodic orbits in s or d: pseudo-arclength, so that a fold is a point like others.
+"""Branches of periodic orbits in s or d, through folds, within limits."""
 
-The tangent t of the branch is the null vector of the equations; the next point lies where t . (X - X_0) = step.
-"""
-
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -10,18 +8,9 @@ from scipy.optimize import brentq
 
 from controller.stability.actuator.model import Array
 from controller.stability.orbits.arc import Loop
+from controller.stability.orbits.branch import Point, advance, branch, fixed, newton, tangent
 from controller.stability.orbits.floquet import is_one_sided, other_multipliers, peaks
-from controller.stability.orbits.limit_cycle import (
-    Orbit,
-    correct,
-    equations,
-    hold,
-    pack,
-    unpack,
-)
-
-LEAST_STEP = 1e-7
-STRAIGHT = 0.9  # least cosine between the tangents of neighbours
+from controller.stability.orbits.limit_cycle import Orbit, equations_of, pack, unpack
 
 
 class Limits(NamedTuple):
@@ -65,16 +54,6 @@ class Branch(NamedTuple):
         return np.abs(self.multipliers).max(axis=1) < 1.0
 
 
-def tangent(jacobian: Array, along: Array) -> Array:
-    """Unit vector along the branch from the derivatives of its equations, turned like `along`."""
-    null = np.linalg.svd(jacobian)[2][-1]
-    return null if null @ along >= 0.0 else -null
-
-
-def _advance(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> tuple[Array, int, Array]:
-    return correct(x + step * t, loop, parameter, lambda new: (float(t @ (new - x)) - step, t))
-
-
 def follow_branch(orbit: Orbit, parameter: str, direction: float, limits: Limits) -> Branch:
     """The branch from an orbit on, first towards greater (direction 1.0) or smaller (-1.0) values of s or d.
 
@@ -87,43 +66,34 @@ def follow_branch(orbit: Orbit, parameter: str, direction: float, limits: Limits
             f"{parameter} {value}, period {orbit.period} of the first orbit must lie within {limits.least} .. "
             f"{limits.most} and {limits.longest}"
         )
-    loop, x = orbit.loop, pack(orbit, parameter)
-    t = tangent(equations(x, loop, parameter)[1], direction * np.eye(len(x))[-1])
-    orbits, folds, step = [orbit], [], limits.step / 8.0
-    while len(orbits) < limits.points and step > LEAST_STEP:
-        try:
-            new, turns, jacobian = _advance(x, t, step, loop, parameter)
-            turned = tangent(jacobian, t)
-        except (ArithmeticError, np.linalg.LinAlgError):
-            step /= 2.0
-            continue
-        if t @ turned < STRAIGHT:
-            step /= 2.0
-            continue
-        if t[-1] * turned[-1] < 0.0:
-            folds.append(_fold(x, t, step, loop, parameter))
-        if not limits.least <= new[-1] <= limits.most:
-            new = _at(new, float(np.clip(new[-1], limits.least, limits.most)), loop, parameter)
-            return Branch(parameter, [*orbits, unpack(new, loop, parameter)], folds)
-        found = unpack(new, loop, parameter)
+    loop, x, of = orbit.loop, pack(orbit, parameter), equations_of(orbit.loop, parameter)
+    line = branch(x, direction * np.eye(len(x))[-1], of, limits.step)
+    orbits, folds, last = [orbit], [], next(line)
+    for point in islice(line, limits.points - 1):
+        if last.tangent[-1] * point.tangent[-1] < 0.0:
+            folds.append(_fold(last, point.step, loop, parameter))
+        if not limits.least <= point.z[-1] <= limits.most:
+            end = _at(point.z, float(np.clip(point.z[-1], limits.least, limits.most)), loop, parameter)
+            return Branch(parameter, [*orbits, unpack(end, loop, parameter)], folds)
+        found = unpack(point.z, loop, parameter)
         if found.period > limits.longest or not is_one_sided(found):
             break
         orbits.append(found)
-        x, t = new, turned
-        step = min(step * (1.5 if turns <= 4 else 0.7), limits.step)
+        last = point
     return Branch(parameter, orbits, folds)
 
 
 def _at(x: Array, value: float, loop: Loop, parameter: str) -> Array:
     start = np.append(x[:-1], value)
-    return correct(start, loop, parameter, hold(start, -1))[0]
+    return newton(start, equations_of(loop, parameter), fixed(start, -1))[0]
 
 
-def _fold(x: Array, t: Array, step: float, loop: Loop, parameter: str) -> Orbit:
-    """Where the tangent has no part along the parameter, between two points of the branch."""
+def _fold(before: Point, step: float, loop: Loop, parameter: str) -> Orbit:
+    """Where the tangent has no component along the parameter, within a step from a point of the branch."""
+    x, t, of = before.z, before.tangent, equations_of(loop, parameter)
 
     def slope(length: float) -> float:
-        return tangent(_advance(x, t, length, loop, parameter)[2], t)[-1]
+        return tangent(advance(x, t, length, of)[2], t)[-1]
 
     length = float(brentq(slope, 0.0, step, xtol=1e-10))  # pyright: ignore[reportArgumentType]
-    return unpack(_advance(x, t, length, loop, parameter)[0], loop, parameter)
+    return unpack(advance(x, t, length, of)[0], loop, parameter)

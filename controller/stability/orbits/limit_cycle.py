@@ -10,7 +10,7 @@ Near supply and return the root is laminar below `LAMINAR` of the whole drop, as
 supply or return its own slope would be infinite, and orbits move by no more than that share.
 """
 
-from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -27,11 +27,11 @@ from controller.stability.orbits.arc import (
     end_rates,
     follow,
 )
+from controller.stability.orbits.branch import Equations, fixed, newton
 
 LAMINAR = 1e-9  # of the supply; see above
 TOLERANCE = 1e-11  # of an arc's step
 MIRROR = np.array([[-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]], float)
-FARTHEST = 1.0  # change of a scaled unknown beyond which Newton's method has lost the orbit
 PARAMETERS = ("s", "d")
 
 
@@ -111,37 +111,19 @@ def arc(orbit: Orbit, i: int) -> Array:
     return row
 
 
-def correct(
-    x: Array, loop: Loop, parameter: str, extra: Callable[[Array], tuple[float, Array]]
-) -> tuple[Array, int, Array]:
-    """Newton on the equations and one further condition (its value and gradient).
+def equations_of(loop: Loop, parameter: str) -> Equations:
+    """`equations` as a branch is followed by them."""
+    return partial(equations, loop=loop, parameter=parameter)
 
-    Returns X, the iterations taken, and the derivatives of the equations there, but for a change below 1e-9.
 
-    ArithmeticError where it does not converge.
+def solve(guess: Orbit, parameter: str = "d", place: int = -1) -> Orbit:
+    """The orbit near a guess, with the unknown at this place of X unchanged: by default its s or d.
+
+    ArithmeticError where Newton's method does not converge.
     """
-    for turn in range(12):
-        residual, jacobian = equations(x, loop, parameter)
-        value, gradient = extra(x)
-        change = np.linalg.solve(np.vstack([jacobian, gradient]), np.append(residual, value))
-        x = x - change
-        if np.abs(change).max() < 1e-9:
-            return x, turn + 1, jacobian
-        if not np.abs(change).max() < FARTHEST:
-            break
-    raise ArithmeticError("Newton's method does not converge")
-
-
-def hold(x: Array, place: int) -> Callable[[Array], tuple[float, Array]]:
-    """The further condition that one unknown keeps its value."""
-    value, gradient = x[place], np.eye(len(x))[place]
-    return lambda new: (new[place] - value, gradient)
-
-
-def solve(guess: Orbit, parameter: str = "d") -> Orbit:
-    """The orbit near a guess, at its gains. ArithmeticError where Newton's method does not converge."""
     start = pack(guess, parameter)
-    return unpack(correct(start, guess.loop, parameter, hold(start, -1))[0], guess.loop, parameter)
+    found = newton(start, equations_of(guess.loop, parameter), fixed(start, place))[0]
+    return unpack(found, guess.loop, parameter)
 
 
 def as_two_arcs(orbit: Orbit) -> Orbit:

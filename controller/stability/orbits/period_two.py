@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controller.stability.actuator.held import Held
+from controller.stability.actuator.constant_command import SimulatedActuator
 from controller.stability.actuator.simulate import Sampled
 from controller.stability.crossing import Spectrum
 from controller.stability.curves import flip_gain
-from controller.stability.orbits.branch import Equations, branch
+from controller.stability.orbits.branch import Equations, advance, branch
 from controller.stability.orbits.stroboscope import (
     command,
     period,
@@ -57,7 +57,7 @@ def linear_loop(plant: Plant, loop: Sampled) -> SampledLoop:
     return sampled_loop(plant, Timing(loop.tau, loop.delay, "filtered" if lag else "backward", lag or None))
 
 
-def opened(plant: Held, opening: float) -> Plant:
+def opened(plant: SimulatedActuator, opening: float) -> Plant:
     """The linear actuator with the damping that a valve open by |u| adds."""
     alpha, gamma, k = plant.actuator
     linear = linear_actuator(k, gamma)
@@ -65,18 +65,18 @@ def opened(plant: Held, opening: float) -> Plant:
     return linear
 
 
-def flip_at(plant: Held, loop: Sampled, opening: float = 0.0) -> float:
+def flip_at(plant: SimulatedActuator, loop: Sampled, opening: float = 0.0) -> float:
     """s at which a small orbit of that opening stands, to first order; at 0.0 the flip itself. inf: there is none."""
     return flip_gain(linear_loop(opened(plant, opening), loop), loop.d)
 
 
-def softness(plant: Held, loop: Sampled) -> float:
+def softness(plant: SimulatedActuator, loop: Sampled) -> float:
     """ds/d|u| of the orbits at their birth. Positive where stability is lost with rising s: soft; negative: hard."""
     small = 1e-4 * plant.actuator.alpha / plant.actuator.gamma
     return (flip_at(plant, loop, small) - flip_at(plant, loop)) / small
 
 
-def orbits(plant: Held, loop: Sampled, first: float = FIRST, longest: float = LONGEST) -> Iterator[Orbit]:
+def orbits(plant: SimulatedActuator, loop: Sampled, first: float = FIRST, longest: float = LONGEST) -> Iterator[Orbit]:
     """The branch of orbits from the flip on, whatever its s; ends where no more are found.
 
     `loop.s` is not used. Raises ValueError where the loop has no flip, ArithmeticError where even the first orbit is
@@ -92,16 +92,18 @@ def orbits(plant: Held, loop: Sampled, first: float = FIRST, longest: float = LO
         (np.eye(len(at))[2:4].sum(axis=0) * 0.5 + size * at) / scale, 1.0 + _rise(plant, loop, size * opening)
     )
     along = np.append(at / scale, _rise(plant, loop, opening))
-    for found in branch(z, along, equations(plant, loop, scale, flip), longest):
-        yield _orbit(found[:-1] * scale, plant, loop._replace(s=float(found[-1] * flip)))
+    of = equations(plant, loop, scale, flip)
+    z = advance(z, along / np.linalg.norm(along), 0.0, of)[0]
+    for point in branch(z, along, of, longest):
+        yield _orbit(point.z[:-1] * scale, plant, loop._replace(s=float(point.z[-1] * flip)))
 
 
-def _rise(plant: Held, loop: Sampled, opening: float) -> float:
+def _rise(plant: SimulatedActuator, loop: Sampled, opening: float) -> float:
     """s over the flip's, less 1, of a small orbit."""
     return softness(plant, loop) * opening / flip_at(plant, loop)
 
 
-def _linear_orbit(plant: Held, loop: Sampled) -> tuple[Array, float]:
+def _linear_orbit(plant: SimulatedActuator, loop: Sampled) -> tuple[Array, float]:
     """The motion with multiplier -1 at the flip, as a deviation of x, and its |u|."""
     matrix = closed(linear_loop(linear_actuator(plant.actuator.k, plant.actuator.gamma), loop), loop.s, loop.d)
     mu, vectors = np.linalg.eig(matrix)
@@ -111,7 +113,7 @@ def _linear_orbit(plant: Held, loop: Sampled) -> tuple[Array, float]:
     return x, abs(command(x, loop._replace(limit=np.inf))[0])
 
 
-def equations(plant: Held, loop: Sampled, scale: Array, flip: float) -> Equations:
+def equations(plant: SimulatedActuator, loop: Sampled, scale: Array, flip: float) -> Equations:
     """P(P(x)) - x and its derivatives by (x, s), in units of `scale` and of the flip."""
 
     def of(z: Array) -> tuple[Array, Array]:
@@ -125,7 +127,7 @@ def equations(plant: Held, loop: Sampled, scale: Array, flip: float) -> Equation
     return of
 
 
-def _orbit(x: Array, plant: Held, loop: Sampled) -> Orbit:
+def _orbit(x: Array, plant: SimulatedActuator, loop: Sampled) -> Orbit:
     between, by_x, _ = period(x, plant, loop)
     _, again, _ = period(between, plant, loop)
     multipliers = np.linalg.eigvals(again @ by_x).astype(np.complex128)

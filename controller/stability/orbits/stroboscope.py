@@ -10,12 +10,12 @@ import math
 
 import numpy as np
 
-from controller.stability.actuator.held import (
+from controller.stability.actuator.constant_command import (
     LONGEST,
     WHOLE,
-    Held,
-    Seen,
-    hold,
+    Observed,
+    SimulatedActuator,
+    integrate,
 )
 from controller.stability.actuator.model import mirror
 from controller.stability.actuator.simulate import Sampled
@@ -32,7 +32,7 @@ def width_of(loop: Sampled) -> int:
     return 4 + past_of(loop) + (0 if loop.measured else 2 if loop.kept > 0.0 else 1)
 
 
-def scale_of(loop: Sampled, plant: Held) -> Array:
+def scale_of(loop: Sampled, plant: SimulatedActuator) -> Array:
     """Units in which all of x is of the size of a pressure swing."""
     alpha, past = plant.actuator.alpha, past_of(loop)
     motion = np.full(width_of(loop), alpha)
@@ -68,7 +68,7 @@ def command(x: Array, loop: Sampled) -> tuple[float, Array, float]:
     return -h, by_x, -x[0]
 
 
-def period(x: Array, plant: Held, loop: Sampled) -> tuple[Array, Array, Array]:
+def period(x: Array, plant: SimulatedActuator, loop: Sampled) -> tuple[Array, Array, Array]:
     """x a sampling period later, and its derivatives by x (n, n) and by s (n,). ArithmeticError where steps vanish."""
     n, past = len(x), past_of(loop)
     u, by_x, by_s = command(x, loop)
@@ -87,12 +87,12 @@ def period(x: Array, plant: Held, loop: Sampled) -> tuple[Array, Array, Array]:
     return after, np.array([*of_x, *gradients[:past], *keeps], float), by_s_after
 
 
-def flown(y: Array, u: float, duration: float, plant: Held) -> tuple[Array, Array]:
+def flown(y: Array, u: float, duration: float, plant: SimulatedActuator) -> tuple[Array, Array]:
     """y after holding u, and its derivatives by y and u, (4, 5)."""
     row = np.zeros(WHOLE)
     row[:4], row[4:] = y, np.eye(4, 5).ravel()
-    seen = Seen(np.zeros(2), np.zeros(4))
-    size = hold(row, WHOLE, u, 0.0, duration, LONGEST, plant, np.empty((7, WHOLE)), np.empty(WHOLE), seen)
+    seen = Observed(np.zeros(2), np.zeros(4))
+    size = integrate(row, WHOLE, u, 0.0, duration, LONGEST, plant, np.empty((7, WHOLE)), np.empty(WHOLE), seen)
     if size == 0.0:
         raise ArithmeticError("steps vanish")
     return row[:4], row[4:].reshape(4, 5)

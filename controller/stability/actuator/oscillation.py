@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from controller.stability.actuator.held import Held
+from controller.stability.actuator.constant_command import SimulatedActuator
 from controller.stability.actuator.model import Actuator
 from controller.stability.actuator.simulate import (
     ALPHA,
@@ -63,7 +63,7 @@ PLAIN = Loops(0.5, 0.0, 0.1, 0.23, 3.0, 0.0, ALPHA, 1.0, START, "measured", None
 ORDER = Loops._fields[:9]  # of a row of numbers
 
 
-class Swings(NamedTuple):
+class Oscillations(NamedTuple):
     """What runs did, arrays of one shape."""
 
     oscillates: Flags
@@ -75,11 +75,11 @@ class Swings(NamedTuple):
     saturated: Array  # share of the last third's samples that found the valve at its limit
 
 
-def swings(loops: Loops, longer: float = 1.0, laminar: float = 0.0) -> Swings:
+def oscillations(loops: Loops, longer: float = 1.0, laminar: float = 0.0) -> Oscillations:
     """Run and judge loops, in the shape to which their numbers broadcast.
 
-    longer: by which the length of the runs is multiplied; laminar: as in `held`. Raises ValueError for what cannot be,
-    RuntimeError where a run's steps vanish.
+    longer: by which the length of the runs is multiplied; laminar: as in `constant_command`. Raises ValueError for a
+    wrong number, RuntimeError where a run's steps vanish.
     """
     numbers = np.broadcast_arrays(*(np.asarray(value, float) for value in loops[:9]))
     kept = checked(loops)
@@ -92,10 +92,10 @@ def swings(loops: Loops, longer: float = 1.0, laminar: float = 0.0) -> Swings:
         again = _judged(rows[falling], periods[falling], loops.derivative == "measured", kept, laminar)
         for old, new in zip(found, again, strict=True):
             old[falling] = new
-    return Swings._make(part.reshape(numbers[0].shape) for part in found)
+    return Oscillations._make(part.reshape(numbers[0].shape) for part in found)
 
 
-def _judged(rows: Array, periods: NDArray[np.int64], measured: bool, kept: float, laminar: float) -> Swings:
+def _judged(rows: Array, periods: NDArray[np.int64], measured: bool, kept: float, laminar: float) -> Oscillations:
     n = len(rows)
     seen = Tally(np.zeros((n, 3, 2)), np.zeros((n, 3, 4)), np.zeros((n, 3, 3)))
     outcome, none = np.zeros(n, np.int64), (np.empty((0, 4)), np.empty(0))
@@ -127,7 +127,7 @@ def run_all(rows, periods, measured, kept, laminar, tolerance, plain, seen: Tall
     """Run the loop of each row, ORDER."""
     for i in range(len(rows)):
         s, d, k, gamma, tau, delay, alpha, limit, start = rows[i]
-        plant = Held(Actuator(alpha, gamma, k), laminar, tolerance)
+        plant = SimulatedActuator(Actuator(alpha, gamma, k), laminar, tolerance)
         loop = Sampled(s, d, tau, delay, measured, kept, limit)
         y = np.array([alpha * start, 0.0, 0.5, 0.5])
         seen.extremes[i, :, 0], seen.extremes[i, :, 1] = np.inf, -np.inf
@@ -135,7 +135,7 @@ def run_all(rows, periods, measured, kept, laminar, tolerance, plain, seen: Tall
         outcome[i] = follow(y, plant, loop, periods[i], plain[0], plain[1], of_run)
 
 
-def judge(seen: Tally, ends: Flags, alpha: Array) -> Swings:
+def judge(seen: Tally, ends: Flags, alpha: Array) -> Oscillations:
     """The criterion."""
     swing = np.where(ends[:, None], 2.0, seen.extremes[..., 1] - seen.extremes[..., 0])
     samples, turned, limited = np.moveaxis(seen.turns[:, 2], -1, 0)
@@ -145,4 +145,4 @@ def judge(seen: Tally, ends: Flags, alpha: Array) -> Swings:
         frequency = np.where(count > 1.0, 2.0 * np.pi * (count - 1.0) / (last - first), 0.0)
         angle, saturated = np.nan_to_num(np.pi * turned / (samples - 1.0)), np.nan_to_num(limited / samples)
     oscillates = ends | ((count > 1.0) & (swing[:, 2] >= FLOOR * alpha) & (growth >= KEPT))
-    return Swings(oscillates, ends, 0.5 * swing[:, 2], growth, angle, frequency, saturated)
+    return Oscillations(oscillates, ends, 0.5 * swing[:, 2], growth, angle, frequency, saturated)

@@ -6,11 +6,11 @@ Linear theory is that of the smallest swing about (0, 0, 1/2, 1/2).
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.stability.actuator.swing import (
+from controller.stability.actuator.oscillation import (
     Flags,
     Loops,
-    Swings,
-    swings,
+    Oscillations,
+    oscillations,
 )
 from controller.stability.chart import unstable_multipliers
 
@@ -33,7 +33,7 @@ def oscillates_by_theory(loops: Loops) -> Flags:
     return np.broadcast_to(outside > 0, np.broadcast_shapes(*(np.shape(value) for value in loops[:9])))
 
 
-def causes(loops: Loops, found: Swings) -> NDArray[np.str_]:
+def causes(loops: Loops, found: Oscillations) -> NDArray[np.str_]:
     """For each run, a key of CAUSES."""
     shape = found.oscillates.shape
     flat = loops._replace(**{name: np.broadcast_to(np.asarray(v, float), shape).ravel() for name, v in _numbers(loops)})
@@ -51,16 +51,16 @@ def _numbers(loops: Loops) -> list[tuple[str, np.ndarray]]:
 
 def _lives_on(loop: Loops, limited: bool) -> str:
     """Theory says stable."""
-    if not swings(loop._replace(start=SMALL)).oscillates.all():
+    if not oscillations(loop._replace(start=SMALL)).oscillates.all():
         wider = loop._replace(limit=WIDER * np.asarray(loop.limit))
-        return "saturated" if limited and not swings(wider).oscillates else "hard"
-    return "slow" if not swings(loop, LONGER).oscillates else "unexplained"
+        return "saturated" if limited and not oscillations(wider).oscillates else "hard"
+    return "slow" if not oscillations(loop, LONGER).oscillates else "unexplained"
 
 
 def _dies(loop: Loops) -> str:
     """Theory says unstable."""
-    later = swings(loop, LONGER)
+    later = oscillations(loop, LONGER)
     if later.oscillates:
         return "slow"
     faint = later.amplitude < SMALL[0] * np.asarray(loop.alpha)
-    return "damped" if faint and swings(loop._replace(start=SMALL[0])).oscillates else "unexplained"
+    return "damped" if faint and oscillations(loop._replace(start=SMALL[0])).oscillates else "unexplained"

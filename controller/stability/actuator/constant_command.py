@@ -1,8 +1,8 @@
-"""The actuator while its command is held: where it goes, and how that depends on where it was and on the command.
+"""The actuator at a constant command: where it goes, and how that depends on where it was and on the command.
 
 Dormand and Prince's pair 5(4); Rodas, 4(3), where a wide open valve makes that stiff. A step is bounded by its error,
-absolute in supply pressures, and by LONGEST, so that a swing much smaller than the tolerance keeps its size,
-too. The variational equations may go along, then always explicitly.
+absolute in supply pressures, and by LONGEST, so that an oscillation much smaller than the tolerance keeps
+its size, too. The variational equations may go along, then always explicitly.
 """
 
 import math
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controller.stability.actuator.dormand_prince import ERROR, STAGES
+from controller.stability.actuator.dormand_prince import error_of, stage
 from controller.stability.actuator.model import (
     Actuator,
     rates,
@@ -22,13 +22,13 @@ from twin.kernel import inlined, kernel
 
 STATE = 4  # width of a row: y alone
 WHOLE = 24  # y, then d y/d(y0, u) row by row, (4, 5)
-LONGEST = 0.2  # of a step [1/omega]: the oil spring, sqrt2, keeps its swing to 1.4e-7 a step, (sqrt2 h)^6/3600
+LONGEST = 0.2  # of a step [1/omega]: the oil spring, sqrt2, keeps its amplitude to 1.4e-7 a step, (sqrt2 h)^6/3600
 STIFF = 2.0  # times the pressures' own rate, beyond which a step is not explicit; 3.3 is where that one ends
-MOST = 10_000_000  # steps while a command is held
+MOST = 10_000_000  # steps at one command
 SHORTEST = 1e-12  # what a step may shrink to before the run is given up
 
 
-class Held(NamedTuple):
+class SimulatedActuator(NamedTuple):
     """A plant and how closely it is followed."""
 
     actuator: Actuator
@@ -36,15 +36,15 @@ class Held(NamedTuple):
     tolerance: float  # of a step, in units of the supply pressure
 
 
-class Seen(NamedTuple):
-    """What a stretch of a run showed; arrays of one number, or two, to be filled."""
+class Observed(NamedTuple):
+    """What was observed in a part of a run; arrays of one number, or two, to be filled."""
 
     extremes: np.ndarray  # lowest and highest position
     passages: np.ndarray  # upward through a position: how many, when the first, the last; and that position
 
 
 @inlined
-def derive(w, out, width, u, plant: Held):
+def derive(w, out, width, u, plant: SimulatedActuator):
     """Rates of a row at the command u, (5.7) and its variational equations."""
     alpha, gamma, k = plant.actuator
     y1, y2, y3, y4 = w[0], w[1], w[2], w[3]
@@ -72,26 +72,19 @@ def derive(w, out, width, u, plant: Held):
 
 
 @inlined
-def step_by(w, width, size, u, plant: Held, stages, trial):
+def step_by(w, width, size, u, plant: SimulatedActuator, stages, trial):
     """One step from w (with its rates in stages[0]) into trial; returns the error of the state over the tolerance."""
     for i in range(1, 7):
-        for n in range(width):
-            total = 0.0
-            for j in range(i):
-                total += STAGES[i, j] * stages[j, n]
-            trial[n] = w[n] + size * total
+        stage(i, w, width, size, stages, trial)
         derive(trial, stages[i], width, u, plant)
     worst = 0.0
     for n in range(4):
-        error = 0.0
-        for j in range(7):
-            error += ERROR[j] * stages[j, n]
-        worst = max(worst, abs(size * error) / (plant.actuator.alpha if n < 2 else 1.0))
+        worst = max(worst, error_of(n, size, stages) / (plant.actuator.alpha if n < 2 else 1.0))
     return worst / plant.tolerance
 
 
 @kernel
-def hold(w, width, u, begin, duration, size, plant: Held, stages, trial, seen: Seen):
+def integrate(w, width, u, begin, duration, size, plant: SimulatedActuator, stages, trial, seen: Observed):
     """Follow w, in place, for a duration from the time `begin` at the command u, with steps of about `size` at first.
 
     Returns the size for the steps to come; 0.0 where steps vanish or MOST of them do not suffice.
