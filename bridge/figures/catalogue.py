@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 class Figure(NamedTuple):
     """One figure."""
 
-    name: str  # its number in the source; also the name of its files
+    name: str  # its number in the thesis; also the name of its files
     title: str
     source: str  # folder, file and function below this package
     of: str | None = None  # which of several that one function draws

@@ -12,7 +12,6 @@ import pytest
 from bridge.errors import UsageError
 from bridge.figures.catalogue import FIGURES, LONG, draw_figure
 from bridge.figures.friction.constant_speed import (
-    CARD,
     LOADS,
     OUT_OF_RANGE,
     SAMPLE,
@@ -53,13 +52,13 @@ ALPHA, BETA = float(RIG["seal"]["alpha"].value), float(RIG["seal"]["beta"].value
 @pytest.fixture(scope="module")
 def exact() -> Readings:
     """The friction test without the card: the true values."""
-    return readings(None)
+    return readings(carded=False)
 
 
 @pytest.fixture(scope="module")
 def carded() -> Readings:
     """The friction test as the 12-bit card reads it."""
-    return readings(CARD)
+    return readings()
 
 
 def exact_points(law) -> Points:
@@ -78,8 +77,7 @@ def test_an_unknown_figure_is_refused_with_the_nearest(tmp_path: Path, name: str
 
 def module(name: str) -> str:
     """The module that draws a figure."""
-    draw = FIGURES[name].draw
-    return getattr(draw, "func", draw).__module__
+    return FIGURES[name].source.rpartition(".")[0]
 
 
 FIRST = {module(name): name for name in reversed(FIGURES) if name not in LONG}

@@ -72,7 +72,7 @@ def test_only_what_is_chosen_is_recorded_with_the_users_own_words(tmp_path):
     assert not found.metadata["summary"]["lost"]
     done = hydrotwin("info", str(path), "--json")
     told = json.loads(done.stdout)
-    assert (told.problems, told["metadata"]["user"]) == ([], {"operator": "Ada"})
+    assert (told["problems"], told["metadata"]["user"]) == ([], {"operator": "Ada"})
 
 
 @pytest.mark.parametrize("option", [("--split-time", "0.8 s"), ("--split-size", "200 kB")])
