@@ -5,12 +5,12 @@ derivatives of F; Newton's method takes it there. Nothing here knows what is con
 """
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from controller.stability.plant import Array
-
+Array = NDArray[Any]  # of floats
 Equations = Callable[[Array], tuple[Array, Array]]  # z (n + 1,) -> F (n,), its derivatives (n, n + 1); ArithmeticError
 Condition = Callable[[Array], tuple[float, Array]]  # z -> a further equation, its gradient (n + 1,)
 TURNS, SMALL = 12, 1e-9  # Newton steps; change of a scaled unknown after which they end
