@@ -15,7 +15,6 @@ from twin.chatter.system import System
 from twin.kernel import allocating_kernel, kernel
 
 Array = NDArray[np.floating]
-Top = tuple[float, float, float, float, float]
 TOLERANCE = 1e-10  # of a step, in steady lifts
 
 
