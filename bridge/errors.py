@@ -21,6 +21,14 @@ class ScenarioError(UsageError):
     """A scenario that cannot be used."""
 
 
+class MisplacedError(ValueError):
+    """A key that does not belong where it stands; the text says what to write instead."""
+
+    def __init__(self, key: str, text: str) -> None:
+        super().__init__(text)
+        self.key = key
+
+
 def nearest(word: str, valid: Collection[str], further: str = "") -> str:
     """The end of a sentence on an unknown word: what may have been meant, and what there is."""
     near = difflib.get_close_matches(word, valid, n=1, cutoff=LIKENESS)

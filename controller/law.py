@@ -1,13 +1,13 @@
 """Control laws: from one sample of the rig and the target to the spool reference of the proportional valve.
 
-A law is a pure function of sample, target, memory and gains; a user's own law has the same signature. Sign: a
+A law is a pure function of sample, target, memory and its own gains; a user's own law has the same signature. Sign: a
 positive spool reference lifts the piston. Source, chapter 5: u = -(s y1 + d y2), so the derivative acts on the
 velocity of the piston and not on that of the error. A NaN in the sample gives a NaN command, which the plant refuses.
 """
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from controller.reference import Target
 
@@ -22,6 +22,8 @@ class Sample(NamedTuple):
 
 
 class Gains(NamedTuple):
+    """Of `pd`, and what a user's law is given."""
+
     proportional: float  # P [1/m], spool (-1..1) per metre of error
     derivative: float  # D [s/m], spool per metre a second
     source: str  # of the velocity: "measured" | "backward" | "filtered"
@@ -31,39 +33,68 @@ class Gains(NamedTuple):
     overlap: float  # of the valve lands to jump over, 0..1 of travel; 0.0: no dead-band compensation
 
 
+class RelayGains(NamedTuple):
+    """Of `relay`."""
+
+    derivative_time: float  # T_d [s], lead of the switching line
+    source: str  # of the velocity, as in Gains
+    filter_time: float  # [s], as in Gains
+    sample_period: float  # T [s], > 0
+    limit: float  # the spool reference in either direction, 0..1
+
+
+class OpenLoopGains(NamedTuple):
+    """Of `open_loop`."""
+
+    limit: float  # of the spool reference, 0..1
+
+
+class Estimate(Protocol):
+    """How the velocity is got: part of the gains of every law that needs it."""
+
+    @property
+    def source(self) -> str: ...
+    @property
+    def filter_time(self) -> float: ...
+    @property
+    def sample_period(self) -> float: ...
+
+
 class Memory(NamedTuple):
     position: float  # [m], at the previous sample
     velocity: float  # [m/s], its estimate there
 
 
-Law = Callable[[Sample, Target, Any, Gains], tuple[float, Any]]  # memory is the law's own affair, None at first
+Law = Callable[[Sample, Target, Any, Any], tuple[float, Any]]  # memory is the law's own affair, None at first
 
 
 def pd(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
     """Spool reference in proportion to h, dead band jumped over, then saturated."""
-    h, memory = switching_function(sample, target, memory, gains)
+    h, memory = pd_output(sample, target, memory, gains)
     return saturate(compensate(h, gains.overlap), gains.limit), memory
 
 
-def relay(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
-    """Full limit in the direction of h, nothing at h = 0; the limit is what it says, with any overlap."""
-    h, memory = switching_function(sample, target, memory, gains)
-    return gains.limit * sign(h), memory
+def relay(sample: Sample, target: Target, memory: Memory | None, gains: RelayGains) -> tuple[float, Memory]:
+    """Full limit in the direction of h = (x_ref - x) - T_d v, nothing at h = 0; the limit is what it says, with any
+    overlap."""
+    v = velocity(sample, memory, gains)
+    h = target.position - sample.position - gains.derivative_time * v
+    return gains.limit * sign(h), Memory(sample.position, v)
 
 
-def open_loop(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
+def open_loop(sample: Sample, target: Target, memory: Memory | None, gains: OpenLoopGains) -> tuple[float, Memory]:
     """The target is the spool reference itself, -1..1: only saturated, no dead band jumped over."""
     return saturate(target.position, gains.limit), Memory(sample.position, 0.0)
 
 
-def switching_function(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
-    """h = P (x_ref - x) - D v: the PD output before dead band and saturation, whose sign the relay takes."""
+def pd_output(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
+    """h = P (x_ref - x) - D v, before dead band and saturation."""
     v = velocity(sample, memory, gains)
     h = gains.proportional * (target.position - sample.position) - gains.derivative * v
     return h, Memory(sample.position, v)
 
 
-def velocity(sample: Sample, memory: Memory | None, gains: Gains) -> float:
+def velocity(sample: Sample, memory: Memory | None, gains: Estimate) -> float:
     """Piston velocity [m/s] from the chosen source; a difference needs two samples and is 0 at the first.
 
     Raises ValueError when a tachometer is asked for and absent, and for an unknown source.
@@ -91,7 +122,7 @@ def _backward(sample: Sample, memory: Memory | None, sample_period: float) -> fl
     return 0.0 if memory is None else (sample.position - memory.position) / sample_period
 
 
-def _filtered(sample: Sample, memory: Memory | None, gains: Gains) -> float:
+def _filtered(sample: Sample, memory: Memory | None, gains: Estimate) -> float:
     """First-order lag of the backward difference, exact for a difference held over T: v = a v + (1-a) dx/T."""
     if memory is None:
         return 0.0

@@ -68,7 +68,8 @@ def controller(
     scenario: SCENARIO = "step",
     changes: CHANGES = None,
     law: Annotated[
-        str | None, typer.Option(help="Your own law as module:function or FILE.py:function; or pd, relay, open-loop.")
+        str | None,
+        typer.Option(help="Your own law as module:function or FILE.py:function; or one of our kinds, such as pd."),
     ] = None,
     mode: MODE = ProcessMode.REALTIME,
     connect: CONNECT = DEFAULT_ENDPOINT,
@@ -85,8 +86,9 @@ def controller(
     that returns (spool, memory); memory is None at the first sample.
     """
     from bridge.scenario import load
+    from bridge.scenario.controllers import changes_for
 
-    own = [f"controller.law={law}"] if law else []
+    own = changes_for(law) if law else []
     checked = load(scenario, [*(changes or []), *own])
     from bridge.loop.identity import fresh
     from bridge.processes.controller import run_controller

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from bridge.loop.law import find_law
+from bridge.loop.law import law_of
 from bridge.scenario import Scenario
-from bridge.scenario.gains import gains
+from bridge.scenario.gains import law_gains
 from bridge.wire.codec import Reference, ValveCommand
 from bridge.wire.messages import Outgoing
 from controller.grid import NS, is_sample
@@ -20,10 +20,10 @@ class ControllerSide:
     def __init__(self, scenario: Scenario, source: int) -> None:
         self.grid = scenario.loop.grid()
         self.source = source
-        self.law = find_law(scenario.controller.law)
-        self.gains = gains(scenario)
+        self.law = law_of(scenario.controller)
+        self.gains = law_gains(scenario)
         self.reference = scenario.reference.reference()
-        self.follows = scenario.controller.law != "open-loop"
+        self.follows = scenario.controller.follows
         self.published: dict[str, int] = {"command": 0, "reference": 0}
         self._memory: Any = None
 

@@ -14,21 +14,25 @@ from types import ModuleType
 from typing import Any
 
 from bridge.errors import RunError, ScenarioError
+from bridge.scenario.controllers import Controller, Python
 from bridge.scenario.law_file import law_file
-from controller.law import LAWS, Gains, Law, Sample
+from controller.law import LAWS, Law, Sample
 from controller.reference import Target
 
 OURS = ("bridge", "controller", "twin")  # no laws themselves
 FAILURES = (Exception, SystemExit)  # scripts end the interpreter, which a law must not
 
 
+def law_of(controller: Controller) -> Law:
+    """The law of a scenario's controller. Raises ScenarioError when there is none."""
+    return find_law(controller.law) if isinstance(controller, Python) else LAWS[controller.kind]
+
+
 def find_law(name: str) -> Law:
-    """A law by its name, or a user's by "module:function" or "file.py:function", in the working folder or installed.
+    """A user's law by "module:function" or "file.py:function", in the working folder or installed.
 
     Raises ScenarioError when there is none.
     """
-    if name in LAWS:
-        return LAWS[name]
     module, _, function = name.rpartition(":")
     file = law_file(name, Path.cwd())
     if file is None and (module.endswith(".py") or module in OURS):
@@ -102,7 +106,7 @@ def _alone(file: Path) -> ModuleType:
 def _checked(law: Any, name: str, file: Path) -> Law:
     """A user's law, whose failure is one line. Raises RunError."""
 
-    def answer(sample: Sample, target: Target, memory: Any, gains: Gains) -> tuple[float, Any]:
+    def answer(sample: Sample, target: Target, memory: Any, gains: Any) -> tuple[float, Any]:
         try:
             answered = law(sample, target, memory, gains)
         except FAILURES as error:

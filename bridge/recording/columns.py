@@ -30,7 +30,7 @@ def signals(recording: Recording, scenario: Scenario) -> Signals:
 
 def reference_at(time: np.ndarray, scenario: Scenario) -> np.ndarray:
     """The scenario's position reference [m] at times [s]; NaN where the law follows none."""
-    if scenario.controller.law == "open-loop":
+    if not scenario.controller.follows:
         return np.full(len(time), np.nan)
     reference = scenario.reference.reference()
     return np.array([evaluate(reference, float(t)).position for t in time])

@@ -6,9 +6,11 @@ from typing import Any
 
 from mcap.records import Metadata
 
+from bridge.recording.earlier import in_todays_words
+
 Shape = Mapping[str, Any]  # name -> type, shape of what is within, or (type of every value,)
 NUMBER = (int, float, type(None))
-SCENARIO: Shape = {"name": str, "rig_name": str, "controller": {"law": str}, "loop": ((int, float, str),)}
+SCENARIO: Shape = {"name": str, "rig_name": str, "controller": {"kind": str}, "loop": ((int, float, str),)}
 SHAPES: Mapping[str, Shape] = {
     "run": {"run_id": (int, str), "scenario": SCENARIO},
     "summary": {"ending": str, "metrics": (NUMBER,), "timing": (dict,), "lost": (int,)},
@@ -20,6 +22,8 @@ SHAPES: Mapping[str, Shape] = {
 def facts_of(record: Metadata) -> dict[str, Any] | None:
     """Facts by name; None where they cannot be what this program writes under the record's name."""
     facts = {key: _value(text) for key, text in record.metadata.items()}
+    if record.name == "run":
+        facts = in_todays_words(facts)
     return facts if _has(facts, SHAPES.get(record.name, {})) else None
 
 

@@ -22,10 +22,11 @@ def sentence(recording: Recording) -> str:
 
 
 def _control(scenario: dict[str, Any]) -> str:
-    loop, law = scenario.get("loop"), scenario.get("controller", {}).get("law")
+    loop, controller = scenario.get("loop"), scenario.get("controller", {})
     if not loop:
         return ""
     delay = f"{loop['delay'] * 1e3:g} ms later" if loop["delay"] else "without delay"
+    law = controller.get("law") or controller.get("kind")
     return f"under the law {law}, sampled every {loop['sample_period'] * 1e3:g} ms and acting {delay}"
 
 

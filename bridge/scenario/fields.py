@@ -1,7 +1,7 @@
 """Fields of scenarios that take a number in SI, or text with a unit."""
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
@@ -14,6 +14,11 @@ class Part(BaseModel):
     """Base of all sections: unknown keys are errors, nothing changes after loading."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings")
+
+
+def by_kind(union: Any) -> dict[str, type[Part]]:
+    """The members of a union, each by the word that its `kind` must be."""
+    return {get_args(model.model_fields["kind"].annotation)[0]: model for model in get_args(union)}
 
 
 class Worded:

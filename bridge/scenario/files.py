@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from collections.abc import Collection
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,6 +11,7 @@ from bridge.errors import ScenarioError, nearest, reason
 from bridge.scenario.law_file import with_place
 from bridge.scenario.units import quantity
 
+UNION_SECTIONS = ("controller", "reference")  # whose `kind` says what else stands in them
 DURATION = 10.0  # [s] of a scenario that gives none
 
 
@@ -65,13 +67,22 @@ def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
-    """Sections are merged, all else is replaced."""
+    """Sections are merged, all else is replaced; of another kind's section only what the new kind knows is kept."""
     both = {
-        key: _merged(base[key], own[key])
+        key: _merged(_of_kind(key, base[key], own[key].get("kind")), own[key])
         for key in own
         if isinstance(base.get(key), dict) and isinstance(own[key], dict)
     }
     return base | own | both
+
+
+def _of_kind(section: str, values: dict[str, Any], kind: Any) -> dict[str, Any]:
+    """What a controller or reference of a kind can take over from one of another kind."""
+    if section not in UNION_SECTIONS or kind is None or kind == values.get("kind"):
+        return values
+    from bridge.scenario.kinds import known
+
+    return {key: value for key, value in values.items() if key in known(section, str(kind))}
 
 
 def _source(which: str) -> tuple[str, Path]:
@@ -104,17 +115,35 @@ def _with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     return data
 
 
+def ordered(changes: Collection[str]) -> list[str]:
+    """Changes in the order to apply: a kind first, so that the others are of the new one; a function has its kind."""
+    kinds = [f"{section}.kind" for section in UNION_SECTIONS]
+    given = {change.partition("=")[0].strip(): change.partition("=")[2] for change in changes}
+    implied = ":" in given.get("controller.law", "") and "controller.kind" not in given
+    return sorted(
+        [*(["controller.kind=python"] if implied else []), *changes],
+        key=lambda change: change.partition("=")[0].strip() not in kinds,
+    )
+
+
 def apply(data: dict[str, Any], change: str) -> None:
     """Change a value by a text such as "controller.gain=0.4". Raises ScenarioError."""
     key, sign, text = change.partition("=")
     if not sign or not key.strip():
         raise ScenarioError(f"{change!r} is not a change; write section.name=value, such as controller.gain=0.4")
     *path, last = key.strip().split(".")
+    value = _value(text)
+    if last == "kind" and len(path) == 1 and isinstance(data.get(path[0]), dict):
+        data[path[0]] = _of_kind(path[0], data[path[0]], value)
     for name in path:
         data = data.setdefault(name, {})
         if not isinstance(data, dict):
             raise ScenarioError(f"{change!r}: {name!r} is a value, not a section")
+    data[last] = value
+
+
+def _value(text: str) -> Any:
     try:
-        data[last] = tomllib.loads(f"value = {text}")["value"]
+        return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        data[last] = text.strip()
+        return text.strip()

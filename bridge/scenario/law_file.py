@@ -17,13 +17,23 @@ def law_file(name: str, folder: Path) -> Path | None:
     return next((file for file in candidates if file.is_file()), None)
 
 
+def with_kind(controller: dict[str, Any]) -> dict[str, Any]:
+    """Plain data of a controller; one that names a function, and no kind, is of the kind that takes one."""
+    names_function = "kind" not in controller and ":" in str(controller.get("law", ""))
+    return {"kind": "python"} | controller if names_function else controller
+
+
 def with_place(data: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Plain data of a scenario file, with the full path of a law that stands beside that file.
+    """Plain data of a scenario file, with its kind of controller and the full path of a law beside that file.
 
     A law in the working folder keeps its short name: every process of a run finds it there.
     """
     controller = data.get("controller")
-    if not isinstance(controller, dict) or folder.resolve() == Path.cwd():
+    if not isinstance(controller, dict):
+        return data
+    controller = with_kind(controller)
+    data = data | {"controller": controller}
+    if folder.resolve() == Path.cwd():
         return data
     name = controller.get("law")
     file = law_file(name, folder) if isinstance(name, str) else None

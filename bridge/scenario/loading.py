@@ -1,11 +1,11 @@
 """Scenarios checked on the way in, with one line per mistake."""
 
 import copy
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING, Any
 
-from bridge.errors import ScenarioError, nearest
-from bridge.scenario.files import apply, plain
+from bridge.errors import MisplacedError, ScenarioError, nearest
+from bridge.scenario.files import UNION_SECTIONS, apply, ordered, plain
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
@@ -19,15 +19,15 @@ def load(which: str, changes: list[str] | None = None) -> "Scenario":
     Raises ScenarioError with one line per mistake.
     """
     data = plain(which)
-    for change in changes or []:
+    for change in ordered(changes or []):
         apply(data, change)
     return check(data, which)
 
 
-def changed(data: dict[str, Any], changes: Iterable[str], which: str) -> "Scenario":
+def changed(data: dict[str, Any], changes: Collection[str], which: str) -> "Scenario":
     """The scenario that plain data describe, with changes. Raises ScenarioError with one line per mistake."""
     own = copy.deepcopy(data)
-    for change in changes:
+    for change in ordered(changes):
         apply(own, change)
     return check(own, which)
 
@@ -48,11 +48,14 @@ def _lines(error: "ValidationError") -> Iterator[str]:
     for entry in error.errors():
         place = [str(part) for part in entry["loc"]]
         kind, context = entry["type"], entry.get("ctx", {})
-        where = ".".join(part for part in place if part not in REFERENCES)
+        own = untagged(place)
+        where = ".".join(own)
         if kind == "extra_forbidden":
-            yield f"{where}: unknown key{_near_key(place)}"
+            yield f"{where}: {_unknown_key(place)}"
         elif kind == "value_error":
-            yield f"{where}: {context['error']}" if where else str(context["error"])
+            said = context["error"]
+            where = ".".join([*own, said.key]) if isinstance(said, MisplacedError) else where
+            yield f"{where}: {said}" if where else str(said)
         elif kind in LIMITS:
             limit = context[LIMITS[kind][1]]
             yield f"{where}: {entry['input']!r} must be {LIMITS[kind][0]} {limit}"
@@ -60,9 +63,15 @@ def _lines(error: "ValidationError") -> Iterator[str]:
             valid = str(context.get("expected") or context.get("expected_tags"))
             words = [word.strip(" '") for word in valid.replace(" or ", ",").split(",")]
             given = str(context.get("tag", entry["input"]))
+            where += ".kind" if kind == "union_tag_invalid" else ""
             yield f"{where}: {given!r} is unknown{nearest(given, words)}"
         else:
             yield f"{where}: {entry['msg'].lower()} (got {entry['input']!r})"
+
+
+def untagged(place: list[str]) -> list[str]:
+    """The place of a value as it is written: without the kind that pydantic puts behind `controller` and the like."""
+    return [*place[:1], *place[2:]] if place and place[0] in UNION_SECTIONS else place
 
 
 LIMITS = {
@@ -71,22 +80,36 @@ LIMITS = {
     "less_than": ("less than", "lt"),
     "less_than_equal": ("at most", "le"),
 }
-REFERENCES = {"constant", "step", "square", "ramp", "sine", "chirp", "table"}
 
 
-def _near_key(place: list[str]) -> str:
-    from bridge.scenario import references
+def _unknown_key(place: list[str]) -> str:
+    from bridge.scenario.controllers import INSTEAD
+    from bridge.scenario.kinds import UNIONS
+
+    key = place[-1]
+    if place[0] not in UNIONS or len(place) < 3:
+        return f"unknown key{_near(key, _model_at(place[:-1]))}"
+    tag = place[1]
+    if instead := INSTEAD.get((tag, key)):
+        return instead
+    kinds = UNIONS[place[0]]
+    others = [name for name, model in kinds.items() if key in model.model_fields]
+    said = f"kind {tag!r} does not have it, but {', '.join(map(repr, others))}" if others else "unknown key"
+    return said + _near(key, kinds[tag])
+
+
+def _model_at(place: list[str]) -> Any:
     from bridge.scenario.model import Scenario
 
     model: Any = Scenario
-    for name in place[:-1]:
-        if name in REFERENCES and model is None:
-            model = getattr(references, name.capitalize())
-        else:
-            field = model.model_fields.get(name) if model else None
-            model = field.annotation if field is not None and hasattr(field.annotation, "model_fields") else None
-    valid = list(model.model_fields) if model else []
-    return nearest(place[-1], valid) if valid else ""
+    for name in place:
+        field = model.model_fields.get(name) if model else None
+        model = field.annotation if field is not None and hasattr(field.annotation, "model_fields") else None
+    return model
+
+
+def _near(key: str, model: Any) -> str:
+    return nearest(key, list(model.model_fields)) if model else ""
 
 
 FASTEST_DAQ = 0.2e-3  # [s] of wall time

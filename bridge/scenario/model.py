@@ -2,27 +2,23 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, create_model, model_validator
+from pydantic import Field, create_model, model_validator
 
-from bridge.errors import nearest
 from bridge.scenario.bands import parse_band
+from bridge.scenario.controllers import Controller, Pd
 from bridge.scenario.fields import (
-    DerivativeGain,
     FileName,
-    Fraction,
     Line,
     Measured,
     Metres,
     Part,
     Pressure,
-    ProportionalGain,
     Seconds,
     Speed,
 )
 from bridge.scenario.files import DURATION
 from bridge.scenario.references import Reference
 from controller.grid import NS, Sampling, sampling
-from controller.law import LAWS
 from twin.rig import RIG, Choice, Entry, values
 from twin.topology import CHANNELS
 
@@ -51,29 +47,6 @@ class Loop(Part):
     def grid(self) -> Sampling:
         """The same in nanoseconds; ValueError for what is off the grid."""
         return sampling(self.step, self.daq_period, self.sample_period, self.offset, self.delay)
-
-
-def _known_law(name: str) -> str:
-    module, _, function = name.rpartition(":")
-    if name in LAWS or (module and function.isidentifier()):
-        return name
-    raise ValueError(f"law {name!r} is unknown{nearest(name, LAWS, 'module:function or FILE.py:function')}")
-
-
-class Controller(Part):
-    """The control law and its gains."""
-
-    law: Annotated[str, AfterValidator(_known_law)] = Field(
-        default="pd", description="pd, relay, open-loop; your own: module:function or FILE.py:function"
-    )
-    gain: ProportionalGain = Field(default="1.0 V/%", description="proportional, on the position error")
-    derivative: DerivativeGain = Field(default="0.0 V s/%", description="on the piston's velocity")
-    velocity: Literal["measured", "backward", "filtered"] = Field(
-        default="measured", description="how the velocity is got"
-    )
-    filter_time: Seconds = Field(default=20e-3, ge=0.0, description="lag of the filtered difference")
-    limit: Fraction = Field(default=1.0, gt=0.0, le=1.0, description="saturation of the spool reference")
-    compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
 
 
 class Daq(Part):
@@ -141,7 +114,7 @@ class Scenario(Part):
     )
     start: Start = Start()
     loop: Loop = Loop()
-    controller: Controller = Controller()
+    controller: Controller = Pd()
     reference: Reference
     daq: Daq = Daq()
     real_time: RealTime = RealTime()
@@ -162,8 +135,7 @@ class Scenario(Part):
             raise ValueError(
                 f"daq.skew {self.daq.skew} s: a scan must fit in a step, at most {self.loop.step / gaps} s"
             )
-        settings = self.controller
-        if settings.law in ("pd", "relay") and settings.velocity == "measured" and not self.daq.tachometer:
+        if self.controller.needs_tachometer and not self.daq.tachometer:
             raise ValueError(
                 "controller.velocity 'measured' needs a tachometer: set daq.tachometer = true, "
                 "or controller.velocity = 'backward' or 'filtered'"

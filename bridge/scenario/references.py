@@ -82,4 +82,5 @@ class Table(Part):
         return references.table_from_csv(self.csv)
 
 
-Reference = Annotated[Constant | Step | Square | Ramp | Sine | Chirp | Table, Field(discriminator="kind")]
+AnyReference = Constant | Step | Square | Ramp | Sine | Chirp | Table
+Reference = Annotated[AnyReference, Field(discriminator="kind")]

@@ -16,7 +16,7 @@ from bridge.scenario import Scenario, load
 from tests.support.command import hydrotwin_here
 
 LUMPED = [f"rig.pipe_{i}.model=lumped" for i in range(1, 7)]
-HALF_OPEN = ["controller.law=open-loop", "reference={kind='constant', value=0.5}"]
+HALF_OPEN = ["controller.kind=open-loop", "reference={kind='constant', value=0.5}"]
 SMOOTH = [
     *("rig.pump.ripple=none", "rig.seal.limit=0", "rig.relief.kind=none", "rig.oil.cavitation=none"),
     *("rig.pump.speed='300 rpm'", "rig.valve.overlap=0", "loop.step='100 us'", "loop.daq_period='10 ms'"),

@@ -148,7 +148,7 @@ def test_theory_that_would_take_minutes_is_left_out_and_said_to_be():
     assert left_out(short) is None
     assert operating_point(short, None) is not None
     assert edge_curves(short)[0][0] == pytest.approx(0.005, rel=0.3)
-    assert left_out(load("step", ["loop.delay=4", "controller.law=open-loop"])) is None
+    assert left_out(load("step", ["loop.delay=4", "controller.kind=open-loop"])) is None
 
 
 def test_a_check_with_a_long_delay_takes_seconds(tmp_path: Path):

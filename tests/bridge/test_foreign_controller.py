@@ -83,7 +83,16 @@ def test_the_foreign_controller_has_the_layouts_of_our_messages():
 def test_a_law_of_ones_own_moves_the_piston_to_the_target(tmp_path):
     """The built-in step to 160 mm, by the function in the working folder."""
     path = tmp_path / "law.mcap"
-    options = ("--mode", "lockstep", "--duration", "3", "--set", "controller.law=my_law:law")
+    options = (
+        "--mode",
+        "lockstep",
+        "--duration",
+        "3",
+        "--set",
+        "controller.kind=python",
+        "--set",
+        "controller.law=my_law:law",
+    )
     done = hydrotwin("run", "step", *options, "--record", str(path), cwd=EXAMPLES, timeout=60.0)
     assert done.returncode == 0, done.stdout + done.stderr
     recording = read(path)

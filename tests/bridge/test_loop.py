@@ -112,7 +112,7 @@ def test_a_delay_shifts_the_response_by_exactly_itself(folder, undelayed, delay_
 
 def _open_loop_step(folder: Path, delay: str):
     changes = [
-        'controller.law="open-loop"',
+        'controller.kind="open-loop"',
         'rig.pump.ripple="none"',  # teeth do not wait for a delayed command
         'reference={kind="step", start=0.0, end=0.5, at=0.2}',
         'loop.sample_period="20 ms"',
@@ -151,7 +151,18 @@ def test_any_law_of_a_user_closes_the_loop(folder, tmp_path):
     )
     path = folder / "mine.mcap"
     done = hydrotwin(
-        *("run", "step", "--duration", "3", "--mode", "lockstep", "--set", "controller.law=mine:law"),
+        *(
+            "run",
+            "step",
+            "--duration",
+            "3",
+            "--mode",
+            "lockstep",
+            "--set",
+            "controller.kind=python",
+            "--set",
+            "controller.law=mine:law",
+        ),
         *("--record", str(path)),
         cwd=tmp_path,
     )

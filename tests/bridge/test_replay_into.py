@@ -204,7 +204,7 @@ def test_mistakes_are_told_in_one_line(lockstep, words, told, tmp_path, monkeypa
 
 def test_a_recording_without_commands_is_no_input(tmp_path):
     path = tmp_path / "a.mcap"
-    record_in_process(load("step", ["duration=0.1", "controller.law=open-loop"]), path)
+    record_in_process(load("step", ["duration=0.1", "controller.kind=open-loop"]), path)
     cut = tmp_path / "b.mcap"
     cut.write_bytes(path.read_bytes()[:2000])
     with pytest.raises(UsageError):

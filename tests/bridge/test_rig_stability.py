@@ -103,7 +103,7 @@ KNOWN = [name for name in names() if known(name)]
 def test_every_loop_of_a_built_in_scenario_is_known_or_open():
     assert set(KNOWN) == {"delay", "sine", "slow-sampling", "square", "step"}
     for name in set(names()) - set(KNOWN):
-        assert load(name).controller.law == "open-loop"
+        assert load(name).controller.kind == "open-loop"
 
 
 @pytest.mark.parametrize("name", KNOWN)
@@ -131,7 +131,7 @@ def test_suggested_gains_keep_their_margins():
 
 
 def test_loops_without_theory_are_refused():
-    with pytest.raises(ScenarioError, match=r"set controller\.law = 'pd'"):
+    with pytest.raises(ScenarioError, match=r"set controller\.kind = 'pd'"):
         advise(load("hold-load"))
 
 

@@ -35,7 +35,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
 def scenario_with(folder: Path, law: str) -> str:
     """A scenario file whose law is `law`."""
     path = folder / "mine.toml"
-    path.write_text(f'extends = "step"\nduration = 0.05\n[controller]\nlaw = "{law}"\n')
+    path.write_text(f'extends = "step"\nduration = 0.05\n[controller]\nkind = "python"\nlaw = "{law}"\n')
     return str(path)
 
 
@@ -53,7 +53,7 @@ def test_a_law_is_found_beside_its_scenario_from_anywhere(elsewhere: Path, name:
 
 def test_a_law_in_the_working_folder_keeps_its_short_name(elsewhere: Path):
     Path("mine.py").write_text(ANSWER)
-    assert load("step", ["controller.law=mine:law"]).controller.law == "mine:law"
+    assert load("step", ["controller.kind=python", "controller.law=mine:law"]).controller.law == "mine:law"
     assert find_law("mine:law")(*CALL) == (0.25, None)
 
 
@@ -109,7 +109,7 @@ def test_a_mistake_in_the_file_is_one_line_with_its_place(elsewhere: Path, text:
 def test_a_failing_call_is_one_line_with_its_place(elsewhere: Path, body: str, said: str):
     """The recording of the run ends where the law did, and is whole."""
     Path("wrong.py").write_text(f"def law(sample, target, memory, gains):\n    {body}\n")
-    scenario = load("step", ["controller.law=wrong.py:law", "duration=0.05"])
+    scenario = load("step", ["controller.kind=python", "controller.law=wrong.py:law", "duration=0.05"])
     with pytest.raises(RunError) as raised:
         record_in_process(scenario, elsewhere / "a.mcap")
     assert said in str(raised.value)
@@ -125,7 +125,7 @@ def test_a_law_that_is_nowhere_is_said_to_be(elsewhere: Path, name: str):
 @pytest.mark.parametrize("name", [":law", "mine:", "mine:1", "pdd"])
 def test_what_names_no_function_is_refused(name: str):
     with pytest.raises(ScenarioError, match=r"FILE\.py:function"):
-        load("step", [f"controller.law={name}"])
+        load("step", ["controller.kind=python", f"controller.law={name}"])
 
 
 @pytest.mark.parametrize("mode", ["inprocess", "lockstep"])

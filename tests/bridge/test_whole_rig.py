@@ -15,7 +15,7 @@ from tests.support.plant import BAR, Array
 from twin.circuit.reading import force_balance, speed_balance
 from twin.circuit.step import Circuit
 
-OPEN_LOOP = ["controller.law=open-loop", "loop.sample_period='1 ms'"]
+OPEN_LOOP = ["controller.kind=open-loop", "loop.sample_period='1 ms'"]
 SWITCHING = "rig.valve.kind=switching"
 UP = [(0.0, 0.0), (0.1, 0.0), (0.101, 1.0)]
 DOWN = [(0.0, 0.0), (0.1, 0.0), (0.101, -1.0)]
@@ -74,7 +74,7 @@ def test_without_a_relief_valve_the_pump_leaks_all_it_gives(ran):
 def test_a_switching_valve_under_a_relay_hunts_about_its_target(ran):
     """The spool needs 30 ms from centre to end, so loop and piston swing; their mean is the target to 5 mm."""
     step = "reference={kind='step', start=0.1, end=0.16, at=0.1}"
-    r = ran(SWITCHING, "controller.law=relay", "controller.gain='1 V/%'", step, "duration='1 s'")
+    r = ran(SWITCHING, "controller.kind=relay", step, "duration='1 s'")
     assert np.abs(np.diff(r.seen["spool"])).max() <= 1e-3 / 30e-3 * (1.0 + 1e-9)
     assert {r.seen["spool"].min(), r.seen["spool"].max()} == {-1.0, 1.0}
     assert r.mean("position", 0.5, 1.0) == pytest.approx(0.16, abs=5e-3)

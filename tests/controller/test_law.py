@@ -1,6 +1,7 @@
 """Control laws against formulas worked by hand, and the symmetries that every law must have."""
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -10,6 +11,8 @@ from controller.law import (
     LAWS,
     Gains,
     Memory,
+    OpenLoopGains,
+    RelayGains,
     Sample,
     compensate,
     open_loop,
@@ -24,6 +27,8 @@ from controller.reference import Target
 
 T = 0.01
 GAINS = Gains(10.0, 0.5, "measured", filter_time=0.04, sample_period=T, limit=1.0, overlap=0.0)
+RELAY = RelayGains(0.05, "measured", filter_time=0.04, sample_period=T, limit=1.0)  # switches where GAINS would
+NUMBERS: dict[str, Any] = {"pd": GAINS, "relay": RELAY, "open-loop": OpenLoopGains(1.0)}
 UNIT = st.floats(-1.0, 1.0)
 OVERLAP = st.floats(0.0, 0.9)
 
@@ -64,14 +69,13 @@ def test_pd_jumps_the_overlap_before_it_saturates():
     ("x", "v", "u"), [(0.1, 0.0, 0.7), (0.2, 0.0, -0.7), (0.15, 0.0, 0.0), (0.15, 1e-9, -0.7), (0.149, 0.1, -0.7)]
 )
 def test_relay_gives_the_full_limit_in_the_direction_of_h(x: float, v: float, u: float):
-    gains = GAINS._replace(limit=0.7, overlap=0.1)
+    gains = RELAY._replace(limit=0.7)
     assert relay(sample(x, v), Target(0.15, 0.0), None, gains) == (u, Memory(x, v))
 
 
 @pytest.mark.parametrize(("asked", "given"), [(0.3, 0.3), (-0.3, -0.3), (0.9, 0.8), (-0.9, -0.8), (0.0, 0.0)])
 def test_open_loop_passes_the_target_on_as_spool_reference(asked: float, given: float):
-    gains = GAINS._replace(limit=0.8, overlap=0.1, source="backward")
-    assert open_loop(sample(0.2), Target(asked, 0.0), None, gains)[0] == given
+    assert open_loop(sample(0.2), Target(asked, 0.0), None, OpenLoopGains(limit=0.8))[0] == given
 
 
 def test_measured_velocity_needs_a_tachometer():
@@ -147,14 +151,14 @@ def test_saturation_keeps_what_is_inside_and_clips_the_rest(u: float, limit: flo
     overlap=OVERLAP,
 )
 def test_every_law_stays_within_its_limit(law: str, x: float, v: float, target: float, limit: float, overlap: float):
-    gains = GAINS._replace(limit=limit, overlap=overlap)
+    numbers = NUMBERS[law]._replace(limit=limit)
+    gains = numbers._replace(overlap=overlap) if "overlap" in numbers._fields else numbers
     assert abs(LAWS[law](sample(x, v), Target(target, 0.0), None, gains)[0]) <= limit
 
 
 @pytest.mark.parametrize("law", ["pd", "relay"])
 def test_a_broken_transducer_gives_nan_and_not_a_full_command(law: str):
-    gains = GAINS._replace(overlap=0.1)
-    assert math.isnan(LAWS[law](sample(math.nan, 0.0), Target(0.15, 0.0), None, gains)[0])
+    assert math.isnan(LAWS[law](sample(math.nan, 0.0), Target(0.15, 0.0), None, NUMBERS[law])[0])
 
 
 def test_names_of_the_laws():

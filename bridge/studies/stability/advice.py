@@ -115,9 +115,9 @@ class Advice(NamedTuple):
 
 def refuse_other_loops(scenario: Scenario) -> None:
     """Raises ScenarioError for a loop that the theory does not know."""
-    law = scenario.controller.law
-    if law != "pd":
-        raise ScenarioError(f"controller.law {law!r}: the theory is that of 'pd'; set controller.law = 'pd'")
+    kind = scenario.controller.kind
+    if kind != "pd":
+        raise ScenarioError(f"controller.kind {kind!r}: the theory is that of 'pd'; set controller.kind = 'pd'")
     if scenario.rig.valve.kind != "proportional":
         raise ScenarioError("rig.valve.kind 'switching' has no gain; set rig.valve.kind = 'proportional'")
 

@@ -7,8 +7,8 @@ s/m, times s, frequencies Hz.
 import math
 from typing import NamedTuple
 
-from bridge.scenario import Scenario
-from bridge.scenario.gains import gains
+from bridge.scenario import Scenario, ScenarioError
+from bridge.scenario.controllers import WithVelocity
 from controller.stability import (
     Margins,
     Onset,
@@ -46,9 +46,11 @@ class Edge(NamedTuple):
 
 
 def timing_of(scenario: Scenario) -> RigTiming:
-    """The times of a scenario's controller."""
-    own = gains(scenario)
-    return RigTiming(scenario.loop.sample_period, scenario.loop.delay, own.source, own.filter_time)
+    """The times of a scenario's controller. Raises ScenarioError for one that closes no loop."""
+    own = scenario.controller
+    if not isinstance(own, WithVelocity):
+        raise ScenarioError(f"controller.kind {own.kind!r} closes no loop; set controller.kind = 'pd'")
+    return RigTiming(scenario.loop.sample_period, scenario.loop.delay, own.velocity, own.filter_time)
 
 
 def loop_of(plant: Plant, timing: RigTiming) -> SampledLoop:

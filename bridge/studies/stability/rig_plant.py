@@ -84,7 +84,7 @@ def _plant(name: str, point: State, edge: str | None, opening: float, scenario: 
     entry, position, velocity = (
         np.eye(len(STATES))[STATES.index(s)] for s in ("spool_velocity", "position", "velocity")
     )
-    travel = 1.0 - valve.overlap if scenario.controller.compensate_overlap else 1.0
+    travel = 1.0 - valve.overlap if scenario.controller.jumps_overlap else 1.0
     a = jacobian(to_vector(point), circuit, edge)
     linear = Plant(a, valve.natural_frequency**2 * travel * entry, position, velocity)
     return RigPlant(name, linear, opening, circuit.parts.load.mass)

@@ -1,0 +1,167 @@
+"""The controllers a scenario can ask for, by `controller.kind`; each gives the numbers of its law in SI."""
+
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from bridge.errors import MisplacedError, nearest
+from bridge.scenario.fields import DerivativeGain, Fraction, Part, ProportionalGain, Seconds, by_kind
+from bridge.scenario.law_file import with_kind
+from bridge.scenario.units import split
+from controller import law as laws
+
+Velocity = Literal["measured", "backward", "filtered"]
+
+
+class Scale(NamedTuple):
+    """What turns a scenario's gains into those of a law."""
+
+    stroke: float  # [m]
+    full_scale: float  # [V], of the valve's input
+    overlap: float  # of the valve's lands, share of the travel
+    sample_period: float  # [s]
+
+    def per_metre(self, text: str) -> float:
+        """A gain in volts per % of the stroke, or in SI already: [1/m], of a derivative [s/m]."""
+        number, unit = split(text)
+        return laws.per_metre(number, self.stroke, self.full_scale) if unit.startswith("V") else number
+
+
+class Base(Part):
+    """What all controllers have in common."""
+
+    kind: Any
+    limit: Fraction = Field(default=1.0, gt=0.0, le=1.0, description="saturation of the spool reference")
+
+    @property
+    def follows(self) -> bool:
+        """Does the reference say where the piston should be?"""
+        return True
+
+    @property
+    def needs_tachometer(self) -> bool:
+        """Is the velocity read from the card?"""
+        return False
+
+    @property
+    def jumps_overlap(self) -> bool:
+        """Is the dead band of the valve's lands jumped over?"""
+        return False
+
+
+class WithVelocity(Base):
+    """A controller that knows the piston's velocity."""
+
+    velocity: Velocity = Field(default="measured", description="how the velocity is got")
+    filter_time: Seconds = Field(default=20e-3, ge=0.0, description="lag of the filtered difference")
+
+    @property
+    def needs_tachometer(self) -> bool:
+        return self.velocity == "measured"
+
+
+class WithGains(WithVelocity):
+    """A controller with proportional and derivative gain."""
+
+    gain: ProportionalGain = Field(default="1.0 V/%", description="proportional, on the position error")
+    derivative: DerivativeGain = Field(default="0.0 V s/%", description="on the piston's velocity")
+    compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
+
+    @property
+    def jumps_overlap(self) -> bool:
+        return self.compensate_overlap
+
+    def gains(self, scale: Scale) -> laws.Gains:
+        """The numbers of `controller.law.pd`."""
+        return laws.Gains(
+            proportional=scale.per_metre(self.gain),
+            derivative=scale.per_metre(self.derivative),
+            source=self.velocity,
+            filter_time=self.filter_time,
+            sample_period=scale.sample_period,
+            limit=self.limit,
+            overlap=scale.overlap if self.jumps_overlap else 0.0,
+        )
+
+
+class Pd(WithGains):
+    """In proportion to the error, less the piston's velocity."""
+
+    kind: Literal["pd"] = "pd"
+
+
+class Relay(WithVelocity):
+    """The whole limit in the direction of (x_ref - x) - derivative_time * velocity."""
+
+    kind: Literal["relay"]
+    derivative_time: Seconds = Field(default=0.0, ge=0.0, description="lead of the switching line")
+
+    def gains(self, scale: Scale) -> laws.RelayGains:
+        """The numbers of `controller.law.relay`."""
+        return laws.RelayGains(
+            self.derivative_time, self.velocity, self.filter_time, scale.sample_period, limit=self.limit
+        )
+
+
+class OpenLoop(Base):
+    """The reference is the spool reference itself, -1..1."""
+
+    kind: Literal["open-loop"]
+
+    @property
+    def follows(self) -> bool:
+        return False
+
+    def gains(self, scale: Scale) -> laws.OpenLoopGains:
+        """The numbers of `controller.law.open_loop`."""
+        return laws.OpenLoopGains(self.limit)
+
+
+def _function(name: str) -> str:
+    module, _, function = name.rpartition(":")
+    if module and function.isidentifier():
+        return name
+    raise ValueError(f"{name!r} names no function; write module:function or FILE.py:function")
+
+
+class Python(WithGains):
+    """A function of your own, which is given the gains; it may use them or not."""
+
+    kind: Literal["python"]
+    law: Annotated[str, AfterValidator(_function)] = Field(description="module:function or FILE.py:function")
+
+    @property
+    def needs_tachometer(self) -> bool:
+        return False
+
+
+AnyController = Pd | Relay | OpenLoop | Python
+KINDS = by_kind(AnyController)
+ONLY_SIGN = "a relay knows only the sign: give controller.derivative_time, the derivative over the gain [s]"
+INSTEAD = {("relay", "gain"): ONLY_SIGN, ("relay", "derivative"): ONLY_SIGN}
+
+
+def _spelled(value: Any) -> Any:
+    """Plain data with their kind; ValueError for a law where the kind belongs."""
+    if not isinstance(value, dict):
+        return value
+    value = with_kind(value)
+    if "law" in value and value.get("kind") != "python":
+        raise MisplacedError("law", _kind_of(str(value["law"])))
+    return {"kind": "pd"} | value
+
+
+def _kind_of(law: str) -> str:
+    if law in KINDS:
+        return f"{law!r} is a kind of controller; write controller.kind = {law!r}"
+    if ":" in law:
+        return f"{law!r} is a function of your own; write controller.kind = 'python' beside it"
+    return f"{law!r} is unknown; write controller.kind{nearest(law, KINDS)}"
+
+
+def changes_for(law: str) -> list[str]:
+    """What makes a scenario's controller that of a kind, or a function of the user's."""
+    return [f"controller.law={law}"] if ":" in law else [f"controller.kind={law}"]
+
+
+Controller = Annotated[Annotated[AnyController, Field(discriminator="kind")], BeforeValidator(_spelled)]
