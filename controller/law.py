@@ -153,6 +153,3 @@ def per_metre(volts_per_percent: float, stroke: float, full_scale: float) -> flo
 def volts_per_percent(per_metre: float, stroke: float, full_scale: float) -> float:
     """S [V per % of the stroke] from a proportional gain [1/m]; stroke [m], full scale of the valve's input [V]."""
     return per_metre * stroke * full_scale / 100.0
-
-
-LAWS: dict[str, Law] = {"pd": pd, "relay": relay, "open-loop": open_loop}

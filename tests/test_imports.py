@@ -27,7 +27,7 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
         ("chatter",),
     ),
     "controller": (
-        ("bands", "grid", "hold", "law", "metrics", "reference", "window"),
+        ("bands", "grid", "hold", "law", "laws", "metrics", "pid", "reference", "window"),
         ("stability",),
         ("stability.actuator",),
         ("stability.orbits",),

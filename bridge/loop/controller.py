@@ -8,7 +8,7 @@ from bridge.loop.law import law_of
 from bridge.scenario import Scenario
 from bridge.scenario.gains import law_gains
 from bridge.wire.codec import Reference, ValveCommand
-from bridge.wire.messages import Outgoing
+from bridge.wire.messages import EventKind, Outgoing
 from controller.grid import NS, is_sample
 from controller.law import Sample
 from controller.reference import Target, evaluate
@@ -41,10 +41,17 @@ class ControllerSide:
         wanted = Reference(**own, stamp=stamp, position=position, velocity=target.velocity)
         return [Outgoing("command", stamp, sequence, command), Outgoing("reference", stamp, sequence, wanted)]
 
+    def heed(self, event: Any) -> None:
+        """Tell the law when its commands do not act any more, and when they act again."""
+        if event.kind == EventKind.SAFE:
+            self._memory = self.law.on_safe_state(self._memory)
+        elif event.kind in (EventKind.RESET, EventKind.RESUMED):
+            self._memory = self.law.on_resume(self._memory)
+
     def decide(self, sample: Sample) -> tuple[float, Target]:
         """The spool reference for the next sample, and the target it is after."""
         target = evaluate(self.reference, sample.stamp_ns / NS)
-        spool, self._memory = self.law(sample, target, self._memory, self.gains)
+        spool, self._memory = self.law.answer(sample, target, self._memory, self.gains)
         return float(spool), target
 
 

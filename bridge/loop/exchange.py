@@ -23,6 +23,9 @@ def exchange(
         for answer in answers:
             if answer.topic == "command":
                 plant.take(answer.message)
+        for event in out:
+            if event.topic == "event":
+                controller.heed(event.message)
         yield out + answers
         out = plant.tick(lean)
     ticks_run = plant.tick_number

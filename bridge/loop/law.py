@@ -16,22 +16,26 @@ from typing import Any
 from bridge.errors import RunError, ScenarioError
 from bridge.scenario.controllers import Controller, Python
 from bridge.scenario.law_file import law_file
-from controller.law import LAWS, Law, Sample
+from controller.law import Law, Sample
+from controller.laws import LAWS, ControlLaw, Hook, forget
 from controller.reference import Target
 
 OURS = ("bridge", "controller", "twin")  # no laws themselves
 FAILURES = (Exception, SystemExit)  # scripts end the interpreter, which a law must not
 
 
-def law_of(controller: Controller) -> Law:
+HOOKS = ("on_safe_state", "on_resume")  # functions beside a user's law that are told of both; each gets the memory
+
+
+def law_of(controller: Controller) -> ControlLaw:
     """The law of a scenario's controller. Raises ScenarioError when there is none."""
     return find_law(controller.law) if isinstance(controller, Python) else LAWS[controller.kind]
 
 
-def find_law(name: str) -> Law:
+def find_law(name: str) -> ControlLaw:
     """A user's law by "module:function" or "file.py:function", in the working folder or installed.
 
-    Raises ScenarioError when there is none.
+    A hook that does not stand beside it forgets the memory. Raises ScenarioError when there is no law.
     """
     module, _, function = name.rpartition(":")
     file = law_file(name, Path.cwd())
@@ -44,7 +48,9 @@ def find_law(name: str) -> Law:
     law = getattr(loaded, function, None)
     if not callable(law):
         raise ScenarioError(f"controller.law {name!r}: {loaded.__file__} has no function {function!r}")
-    return _checked(law, name, Path(loaded.__file__ or ""))
+    place = Path(loaded.__file__ or "")
+    hooks = {hook: _hook(getattr(loaded, hook, None), f"{name}: {hook}", place) for hook in HOOKS}
+    return ControlLaw(_checked(law, name, place), **hooks)
 
 
 def explained(error: BaseException, file: Path | None) -> str:
@@ -118,3 +124,17 @@ def _checked(law: Any, name: str, file: Path) -> Law:
             raise RunError(f"controller.law {name!r} returned {answered!r:.80}, expected (spool, memory)") from None
 
     return answer
+
+
+def _hook(hook: Any, name: str, file: Path) -> Hook:
+    """A user's hook, whose failure is one line. Raises RunError."""
+    if not callable(hook):
+        return forget
+
+    def told(memory: Any) -> Any:
+        try:
+            return hook(memory)
+        except FAILURES as error:
+            raise RunError(f"controller.law {name}: {explained(error, file)}") from None
+
+    return told

@@ -71,6 +71,7 @@ class ControllerProcess:
         self._run_id, self._stamp, self._tick = measurement.run_id, measurement.stamp, measurement.tick
 
     def _heed(self, event: Any) -> None:
+        self.side.heed(event)
         if self._is_refused(event):
             self._fault = RunError(f"the plant refuses this controller: {event.text}")
 

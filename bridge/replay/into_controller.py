@@ -45,7 +45,9 @@ def _source(entry: Entry) -> int:
 
 
 def heard(recording: Recording, grid: Sampling) -> list[Entry]:
-    """The measurements that the controller answered, or may have: it counts its answers, so none can hide.
+    """The measurements that the controller answered, or may have, and the events of the plant, in their order.
+
+    It counts its answers, so no measurement can hide.
 
     A sample without a command was heard if a number is missing there: then its answer got lost on the way to the file.
     """
@@ -60,13 +62,16 @@ def heard(recording: Recording, grid: Sampling) -> list[Entry]:
         fed += open_samples[len(open_samples) - missing :] if 0 < missing <= len(open_samples) else []
         fed.append(entry)
         open_samples, last = [], sequences[entry.log_time]
-    return fed
+    return sorted([*fed, *recording.of("event")], key=lambda entry: (entry.log_time, entry.topic == "event"))
 
 
 def through_side(entries: list[Entry], side: ControllerSide) -> Iterator[list[Outgoing]]:
-    """The answers of the control law to measurements, without processes."""
+    """The answers of the control law to measurements, without processes; it heeds the plant's events between them."""
     for entry in entries:
-        yield side.answer(decode(entry.data, "measurement"))
+        if entry.topic == "event":
+            side.heed(decode(entry.data, "event"))
+        else:
+            yield side.answer(decode(entry.data, "measurement"))
 
 
 class FedController:
@@ -98,6 +103,10 @@ class FedController:
         self._bus.await_roles(("controller",), STARTUP, self._child.ended)
         last: Any = None
         for entry in entries:
+            if entry.topic == "event":
+                event = decode(entry.data, "event")
+                self._bus.publish(Outgoing("event", entry.log_time, entry.sequence, event), entry.data)
+                continue
             last = decode(entry.data, "measurement")
             self._bus.publish(Outgoing("measurement", entry.log_time, entry.sequence, last), entry.data)
             yield [self._await(topic, entry.log_time) for topic in ("command", "reference")]

@@ -1,14 +1,16 @@
 """The controllers a scenario can ask for, by `controller.kind`; each gives the numbers of its law in SI."""
 
+import math
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from bridge.errors import MisplacedError, nearest
-from bridge.scenario.fields import DerivativeGain, Fraction, Part, ProportionalGain, Seconds, by_kind
+from bridge.scenario.fields import DerivativeGain, Fraction, IntegralGain, Part, ProportionalGain, Seconds, by_kind
 from bridge.scenario.law_file import with_kind
 from bridge.scenario.units import split
 from controller import law as laws
+from controller.pid import BACK_CALCULATION, PidGains
 
 Velocity = Literal["measured", "backward", "filtered"]
 
@@ -22,7 +24,7 @@ class Scale(NamedTuple):
     sample_period: float  # [s]
 
     def per_metre(self, text: str) -> float:
-        """A gain in volts per % of the stroke, or in SI already: [1/m], of a derivative [s/m]."""
+        """A gain in volts per % of the stroke, or in SI already: 1/m; of a derivative s/m, of an integral 1/(m s)."""
         number, unit = split(text)
         return laws.per_metre(number, self.stroke, self.full_scale) if unit.startswith("V") else number
 
@@ -48,6 +50,9 @@ class Base(Part):
         """Is the dead band of the valve's lands jumped over?"""
         return False
 
+    def refuse_period(self, period: float) -> None:
+        """Raises ValueError for a sample period [s] that the controller cannot have."""
+
 
 class WithVelocity(Base):
     """A controller that knows the piston's velocity."""
@@ -71,6 +76,10 @@ class WithGains(WithVelocity):
     def jumps_overlap(self) -> bool:
         return self.compensate_overlap
 
+
+class PdGains(WithGains):
+    """A controller whose law is given the gains of `controller.law.pd`."""
+
     def gains(self, scale: Scale) -> laws.Gains:
         """The numbers of `controller.law.pd`."""
         return laws.Gains(
@@ -84,10 +93,49 @@ class WithGains(WithVelocity):
         )
 
 
-class Pd(WithGains):
+class Pd(PdGains):
     """In proportion to the error, less the piston's velocity."""
 
     kind: Literal["pd"] = "pd"
+
+
+class Pid(WithGains):
+    """PID whose integral does not wind up, with the reference's velocity fed forward."""
+
+    kind: Literal["pid"]
+    integral: IntegralGain = Field(default="0.0 V/(% s)", description="on the integral of the position error")
+    feed_forward: DerivativeGain = Field(default="0.0 V s/%", description="on the reference's velocity")
+    anti_windup: Literal["back-calculation", "clamping", "none"] = Field(
+        default=BACK_CALCULATION, description="what keeps the integral from winding up at the limit"
+    )
+    tracking_time: Seconds = Field(default=0.0, ge=0.0, description="of back-calculation; 0: gain over integral gain")
+
+    def gains(self, scale: Scale) -> PidGains:
+        """The numbers of `controller.pid`."""
+        numbers = {name: scale.per_metre(getattr(self, name)) for name in ("integral", "derivative", "feed_forward")}
+        proportional = scale.per_metre(self.gain)
+        return PidGains(
+            proportional=proportional,
+            **numbers,
+            source=self.velocity,
+            filter_time=self.filter_time,
+            sample_period=scale.sample_period,
+            limit=self.limit,
+            overlap=scale.overlap if self.jumps_overlap else 0.0,
+            anti_windup=self.anti_windup,
+            tracking_time=self._tracking(proportional, numbers["integral"], scale.sample_period),
+        )
+
+    def _tracking(self, proportional: float, integral: float, period: float) -> float:
+        own = proportional / integral if integral > 0.0 else math.inf
+        return max(self.tracking_time or own, period)
+
+    def refuse_period(self, period: float) -> None:
+        if 0.0 < self.tracking_time < period:
+            raise ValueError(
+                f"controller.tracking_time {self.tracking_time:g} s must be at least loop.sample_period, {period:g} s: "
+                "a shorter one would overshoot"
+            )
 
 
 class Relay(WithVelocity):
@@ -124,7 +172,7 @@ def _function(name: str) -> str:
     raise ValueError(f"{name!r} names no function; write module:function or FILE.py:function")
 
 
-class Python(WithGains):
+class Python(PdGains):
     """A function of your own, which is given the gains; it may use them or not."""
 
     kind: Literal["python"]
@@ -135,7 +183,7 @@ class Python(WithGains):
         return False
 
 
-AnyController = Pd | Relay | OpenLoop | Python
+AnyController = Pd | Pid | Relay | OpenLoop | Python
 KINDS = by_kind(AnyController)
 ONLY_SIGN = "a relay knows only the sign: give controller.derivative_time, the derivative over the gain [s]"
 INSTEAD = {("relay", "gain"): ONLY_SIGN, ("relay", "derivative"): ONLY_SIGN}

@@ -1,9 +1,10 @@
 """The numbers of a scenario's control law in SI."""
 
 from bridge.errors import ScenarioError
-from bridge.scenario.controllers import Scale, WithGains
+from bridge.scenario.controllers import PdGains, Scale
 from bridge.scenario.model import Scenario
 from controller.law import Gains, OpenLoopGains, RelayGains
+from controller.pid import PidGains
 
 
 def scale_of(scenario: Scenario) -> Scale:
@@ -12,13 +13,13 @@ def scale_of(scenario: Scenario) -> Scale:
     return Scale(rig.cylinder.stroke, rig.valve.full_scale, rig.valve.overlap, scenario.loop.sample_period)
 
 
-def law_gains(scenario: Scenario) -> Gains | RelayGains | OpenLoopGains:
+def law_gains(scenario: Scenario) -> Gains | PidGains | RelayGains | OpenLoopGains:
     """What the scenario's law is given."""
     return scenario.controller.gains(scale_of(scenario))
 
 
 def gains(scenario: Scenario) -> Gains:
-    """The gains of a PD controller. Raises ScenarioError for a controller without gains."""
-    if isinstance(scenario.controller, WithGains):
+    """The gains of a PD controller. Raises ScenarioError for another one."""
+    if isinstance(scenario.controller, PdGains):
         return scenario.controller.gains(scale_of(scenario))
-    raise ScenarioError(f"controller.kind {scenario.controller.kind!r} has no gains; set controller.kind = 'pd'")
+    raise ScenarioError(f"controller.kind {scenario.controller.kind!r} is not a PD; set controller.kind = 'pd'")

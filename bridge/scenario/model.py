@@ -135,6 +135,7 @@ class Scenario(Part):
             raise ValueError(
                 f"daq.skew {self.daq.skew} s: a scan must fit in a step, at most {self.loop.step / gaps} s"
             )
+        self.controller.refuse_period(self.loop.sample_period)
         if self.controller.needs_tachometer and not self.daq.tachometer:
             raise ValueError(
                 "controller.velocity 'measured' needs a tachometer: set daq.tachometer = true, "

@@ -48,31 +48,31 @@ def test_a_law_is_found_beside_its_scenario_from_anywhere(elsewhere: Path, name:
     (elsewhere / "deep" / "er.py").write_text("from .number import SPOOL\n" + ANSWER.replace("0.25", "SPOOL"))
     (elsewhere / "deep" / "number.py").write_text("SPOOL = 0.25\n")
     law = load(scenario_with(elsewhere, name)).controller.law
-    assert find_law(law)(*CALL) == (0.25, None)
+    assert find_law(law).answer(*CALL) == (0.25, None)
 
 
 def test_a_law_in_the_working_folder_keeps_its_short_name(elsewhere: Path):
     Path("mine.py").write_text(ANSWER)
     assert load("step", ["controller.kind=python", "controller.law=mine:law"]).controller.law == "mine:law"
-    assert find_law("mine:law")(*CALL) == (0.25, None)
+    assert find_law("mine:law").answer(*CALL) == (0.25, None)
 
 
 def test_a_law_is_found_beside_the_scenario_that_is_extended(elsewhere: Path):
     (elsewhere / "swing.py").write_text(ANSWER)
     scenario_with(elsewhere, "swing:law")
     Path("own.toml").write_text(f'extends = "{elsewhere / "mine.toml"}"\nseed = 4\n')
-    assert find_law(load("own.toml").controller.law)(*CALL) == (0.25, None)
+    assert find_law(load("own.toml").controller.law).answer(*CALL) == (0.25, None)
 
 
 def test_an_installed_law_is_found():
-    assert find_law("controller.law:open_loop")(*CALL)[0] == 0.1
+    assert find_law("controller.law:open_loop").answer(*CALL)[0] == 0.1
 
 
 def test_neighbours_are_imported_and_never_take_our_place(elsewhere: Path):
     (elsewhere / "mine.py").write_text("import controller, own_spool\n" + ANSWER.replace("0.25", "own_spool.SPOOL"))
     (elsewhere / "controller.py").write_text("raise RuntimeError('imported by mistake')\n")
     (elsewhere / "own_spool.py").write_text("SPOOL = 0.5\n")
-    assert find_law(f"{elsewhere}/mine.py:law")(*CALL) == (0.5, None)
+    assert find_law(f"{elsewhere}/mine.py:law").answer(*CALL) == (0.5, None)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from controller.law import (
-    LAWS,
     Gains,
     Memory,
     OpenLoopGains,
@@ -23,12 +22,15 @@ from controller.law import (
     velocity,
     volts_per_percent,
 )
+from controller.laws import LAWS
+from controller.pid import PidGains, pid
 from controller.reference import Target
 
 T = 0.01
 GAINS = Gains(10.0, 0.5, "measured", filter_time=0.04, sample_period=T, limit=1.0, overlap=0.0)
+PID = PidGains(10.0, 3.0, 0.5, 0.2, "measured", 0.04, T, 1.0, 0.0, "back-calculation", 0.5)
 RELAY = RelayGains(0.05, "measured", filter_time=0.04, sample_period=T, limit=1.0)  # switches where GAINS would
-NUMBERS: dict[str, Any] = {"pd": GAINS, "relay": RELAY, "open-loop": OpenLoopGains(1.0)}
+NUMBERS: dict[str, Any] = {"pd": GAINS, "pid": PID, "relay": RELAY, "open-loop": OpenLoopGains(1.0)}
 UNIT = st.floats(-1.0, 1.0)
 OVERLAP = st.floats(0.0, 0.9)
 
@@ -153,16 +155,17 @@ def test_saturation_keeps_what_is_inside_and_clips_the_rest(u: float, limit: flo
 def test_every_law_stays_within_its_limit(law: str, x: float, v: float, target: float, limit: float, overlap: float):
     numbers = NUMBERS[law]._replace(limit=limit)
     gains = numbers._replace(overlap=overlap) if "overlap" in numbers._fields else numbers
-    assert abs(LAWS[law](sample(x, v), Target(target, 0.0), None, gains)[0]) <= limit
+    assert abs(LAWS[law].answer(sample(x, v), Target(target, 0.0), None, gains)[0]) <= limit
 
 
-@pytest.mark.parametrize("law", ["pd", "relay"])
+@pytest.mark.parametrize("law", ["pd", "pid", "relay"])
 def test_a_broken_transducer_gives_nan_and_not_a_full_command(law: str):
-    assert math.isnan(LAWS[law](sample(math.nan, 0.0), Target(0.15, 0.0), None, NUMBERS[law])[0])
+    assert math.isnan(LAWS[law].answer(sample(math.nan, 0.0), Target(0.15, 0.0), None, NUMBERS[law])[0])
 
 
 def test_names_of_the_laws():
-    assert {"pd": pd, "relay": relay, "open-loop": open_loop} == LAWS
+    found = {kind: law.answer for kind, law in LAWS.items()}
+    assert found == {"pd": pd, "pid": pid, "relay": relay, "open-loop": open_loop}
 
 
 def test_volts_per_percent_of_the_rig():
