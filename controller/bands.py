@@ -7,7 +7,7 @@ import operator
 from typing import NamedTuple
 
 RELATIONS = {"<=": operator.le, ">=": operator.ge}
-STATISTICS = ("mean", "least", "greatest")
+STATISTICS = ("mean", "least", "greatest", "rms")
 START, END = "start", "end"  # moments that every run has
 
 
@@ -18,8 +18,13 @@ class Metrics(NamedTuple):
     steady_error: float  # [m], reference - position, mean of the last 10 % of the last constant stretch
     rms_error: float  # [m]
     max_error: float  # [m], absolute
-    limit_cycle_amplitude: float  # [m], half of peak to peak; 0.0: none
+    limit_cycle_amplitude: float  # [m], half of peak to peak, of the worst constant stretch; 0.0: none
     limit_cycle_frequency: float  # [Hz]; 0.0: none
+    limit_cycle_begin: float  # [s], of that stretch
+    limit_cycle_end: float  # [s]
+    phase_lag: float  # [rad], of the position behind a sine
+    time_lag: float  # [s], of the position behind a reference that moves
+    amplitude_ratio: float  # of the position's sine to the reference's
     peak_p1: float  # [Pa]
     peak_p_lower: float  # [Pa]
     peak_p_upper: float  # [Pa]
@@ -28,10 +33,24 @@ class Metrics(NamedTuple):
     valve_travel: float  # sum of |d spool|; 1.0 is the way from the centre to one end
 
 
+class Moment(NamedTuple):
+    """A moment of the run and an offset from it."""
+
+    name: str
+    offset: float  # [s]
+
+
+WHOLE = (Moment(START, 0.0), Moment(END, 0.0))
+
+
 class Band(NamedTuple):
+    """What a metric must keep to, of the whole run or between two moments."""
+
     metric: str  # field of Metrics
     relation: str  # "<=" | ">="
     limit: float  # in the unit of the metric
+    begin: Moment = WHOLE[0]
+    end: Moment = WHOLE[1]
 
 
 class BandResult(NamedTuple):
@@ -40,13 +59,6 @@ class BandResult(NamedTuple):
     relation: str
     limit: float
     passed: bool
-
-
-class Moment(NamedTuple):
-    """A moment of the run and an offset from it."""
-
-    name: str
-    offset: float  # [s]
 
 
 class WindowBand(NamedTuple):

@@ -4,18 +4,20 @@ Position may be the true or the measured one: the caller chooses. The reference 
 the signals; one held over a slower sample period looks like a staircase of steps.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from controller.bands import Metrics
+from controller.oscillation import NOISE_FLOOR, oscillation
+from controller.stretches import Stretch, constant_stretches, held_stretches
+from controller.tracking import tracking
 
 Array = npt.NDArray[np.floating]
 
-# seven steps of a 12 bit card over 300 mm: neither its noise nor a piston creeping within its stick reaches that
-LIMIT_CYCLE_THRESHOLD = 0.54e-3  # [m], peak to peak; 0.2 % of the 270 mm stroke
-LEAST_SAMPLES = 10  # of a constant stretch
+LIMIT_CYCLE_THRESHOLD = NOISE_FLOOR  # [m], peak to peak
 BAND = 0.02  # of the step, for settling
 
 
@@ -29,36 +31,48 @@ class Signals(NamedTuple):
     spool: Array  # true spool position, -1..1
 
 
-class Stretch(NamedTuple):
-    """Samples start..stop-1, all of one reference value."""
+class Cycle(NamedTuple):
+    """The greatest limit cycle of a run and the constant stretch in which it was found; NaN: no stretch to judge."""
 
-    start: int
-    stop: int
-    steps: bool  # begins with a jump from another constant value
+    amplitude: float  # [m], half of peak to peak; 0.0: none in any stretch
+    frequency: float  # [Hz]; 0.0: none
+    begin: float  # [s]
+    end: float  # [s]
 
 
-def measure(signals: Signals, threshold: float = LIMIT_CYCLE_THRESHOLD) -> Metrics:
-    """Metrics of one run; NaN where a metric has no meaning (no step, never risen, never settled, never constant).
+NOT_APPLICABLE = Cycle(math.nan, math.nan, math.nan, math.nan)
 
-    Of several steps the worst counts. `threshold` [m]: smallest peak to peak of a limit cycle, looked for in the last
-    constant stretch. Raises ValueError for signals of unequal length or without samples.
+
+def measure(
+    signals: Signals, threshold: float = LIMIT_CYCLE_THRESHOLD, frequency: float = math.nan, moved: bool = False
+) -> Metrics:
+    """Metrics of one run; NaN where a metric has no meaning (no step, never risen, no stretch to hold, no tracking).
+
+    Of several steps and constant stretches the worst counts. `threshold` [m]: smallest peak to peak of a limit cycle.
+    `frequency` [Hz] of a sine to follow. `moved`: the reference did so before these signals begin. Raises ValueError
+    for signals of unequal length or without samples.
     """
     if len({column.shape for column in signals}) != 1 or signals.time.ndim != 1 or signals.time.size == 0:
         raise ValueError(f"signals must be equally long and not empty, but have {[c.shape for c in signals]} samples")
     error = signals.reference - signals.position
-    stretches = constant_stretches(signals.reference)
-    last = slice(stretches[-1].start, stretches[-1].stop) if stretches else slice(0, 0)
-    amplitude, frequency = limit_cycle(signals.time[last], error[last], threshold)
-    rise, overshoot, settling = _worst_step(signals, stretches)
+    held = held_stretches(signals.reference, moved)
+    cycle = worst_cycle(signals.time, error, held, threshold)
+    rise, overshoot, settling = _worst_step(signals, constant_stretches(signals.reference))
+    followed = tracking(signals.time, signals.reference, signals.position, frequency)
     return Metrics(
         rise_time=rise,
         overshoot=overshoot,
         settling_time=settling,
-        steady_error=_end_mean(error[last]),
+        steady_error=_end_mean(error[held[-1].samples]) if held else math.nan,
         rms_error=float(np.sqrt(np.mean(error**2))),
         max_error=float(np.max(np.abs(error))),
-        limit_cycle_amplitude=amplitude,
-        limit_cycle_frequency=frequency,
+        limit_cycle_amplitude=cycle.amplitude,
+        limit_cycle_frequency=cycle.frequency,
+        limit_cycle_begin=cycle.begin,
+        limit_cycle_end=cycle.end,
+        phase_lag=followed.phase_lag,
+        time_lag=followed.time_lag,
+        amplitude_ratio=followed.amplitude_ratio,
         peak_p1=float(signals.p1.max()),
         peak_p_lower=float(signals.p_lower.max()),
         peak_p_upper=float(signals.p_upper.max()),
@@ -68,14 +82,13 @@ def measure(signals: Signals, threshold: float = LIMIT_CYCLE_THRESHOLD) -> Metri
     )
 
 
-def constant_stretches(reference: Array) -> list[Stretch]:
-    """Stretches of at least 10 equal samples; the run's first may be shorter and still be stepped from."""
-    changes = np.flatnonzero(np.diff(reference)) + 1
-    edges = np.concatenate(([0], changes, [reference.size]))
-    held = np.diff(edges) >= LEAST_SAMPLES
-    before = np.concatenate(([False], held[:-1]))
-    before[1:2] = True
-    return [Stretch(int(edges[k]), int(edges[k + 1]), bool(before[k])) for k in np.flatnonzero(held)]
+def worst_cycle(time: Array, error: Array, held: list[Stretch], threshold: float = LIMIT_CYCLE_THRESHOLD) -> Cycle:
+    """The greatest limit cycle of all stretches that are long enough; of the last one where none has any."""
+    found = [NOT_APPLICABLE]
+    for stretch in held:
+        if swing := oscillation(time[stretch.samples], error[stretch.samples], threshold):
+            found.append(Cycle(*swing, float(time[stretch.start]), float(time[stretch.stop - 1])))
+    return max(found[1:], key=lambda cycle: (cycle.amplitude, cycle.begin), default=NOT_APPLICABLE)
 
 
 def _worst_step(signals: Signals, stretches: list[Stretch]) -> tuple[float, float, float]:
@@ -114,37 +127,3 @@ def _passages(time: Array, y: Array, k: npt.NDArray[np.intp], level: Array) -> A
 
 def _end_mean(error: Array) -> float:
     return float(np.mean(error[-max(error.size // 10, 1) :])) if error.size else float("nan")
-
-
-def limit_cycle(time: Array, error: Array, threshold: float) -> tuple[float, float]:
-    """Amplitude [m] and frequency [Hz] of a sustained oscillation in the last 60 % of a stretch, else (0, 0)."""
-    if error.size < LEAST_SAMPLES:
-        return 0.0, 0.0
-    start = error.size - int(0.6 * error.size)
-    e = _detrended(error[start:])
-    early, late, whole = np.ptp(e[: e.size // 2]), np.ptp(e[e.size // 2 :]), float(np.ptp(e))
-    if whole <= threshold or late < 0.7 * early:  # too small, or dying away
-        return 0.0, 0.0
-    frequency = _regular_frequency(time[start:], e, hysteresis=whole / 8.0)
-    return (0.5 * whole, frequency) if frequency > 0.0 else (0.0, 0.0)
-
-
-def _detrended(error: Array) -> Array:
-    """Error without its linear trend, about the middle of its extremes: a lopsided cycle hardly crosses its mean."""
-    x = np.arange(error.size) - 0.5 * (error.size - 1)
-    w = np.hanning(error.size)  # without it the parts of a period at the ends would tilt the trend
-    e = error - x * (np.dot(w * x, error) / np.dot(w * x, x))
-    return e - 0.5 * (e.max() + e.min())
-
-
-def _regular_frequency(time: Array, e: Array, hysteresis: float) -> float:
-    """Mean frequency [Hz] of the up-crossings; 0.0 for fewer than 4 crossings or an irregular spacing."""
-    far = np.flatnonzero(np.abs(e) > hysteresis)
-    side = np.sign(e[far])
-    turned = np.flatnonzero(np.diff(side)) + 1
-    crossings = _passages(time, e, far[turned], hysteresis * side[turned])
-    periods = crossings[2:] - crossings[:-2]  # between crossings of one direction: the two halves may differ
-    if crossings.size < 4 or np.std(periods) >= 0.5 * np.mean(periods):
-        return 0.0
-    up = crossings[side[turned] > 0.0]
-    return float((up.size - 1) / (up[-1] - up[0]))

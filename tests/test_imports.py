@@ -27,7 +27,10 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
         ("chatter",),
     ),
     "controller": (
-        ("bands", "grid", "hold", "law", "laws", "metrics", "pid", "reference", "window"),
+        (
+            *("bands", "grid", "hold", "law", "laws", "metrics", "oscillation"),
+            *("pid", "reference", "stretches", "tracking", "window"),
+        ),
         ("stability",),
         ("stability.actuator",),
         ("stability.orbits",),

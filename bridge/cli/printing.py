@@ -39,10 +39,9 @@ def print_summary(outcome: "Outcome") -> None:
 
 
 def _metric_rows(summary: "Summary") -> list[tuple[str, str]]:
-    from bridge.scenario.bands import METRICS, value_with_unit
+    from bridge.scenario.bands import metric_words
 
-    metrics = summary.metrics._asdict() if summary.metrics else {}
-    return [(METRICS[name].words, value_with_unit(name, value)) for name, value in metrics.items()]
+    return metric_words(summary.metrics)
 
 
 def _timing_rows(summary: "Summary") -> list[list[str]]:

@@ -94,11 +94,12 @@ def check(
 
     loaded = [load(name, changes) for name in scenarios]
     from bridge.cli.printing import print_checks
-    from bridge.runs.check import check_scenario, junit_xml
+    from bridge.runs.check import check_scenario, junit_xml, refuse_windows
     from bridge.scenario.circuit import circuit_of
 
     for scenario in loaded:
         circuit_of(scenario)  # all are good, or none is run
+        refuse_windows(scenario)
     results = []
     for scenario in loaded:
         results.append(check_scenario(scenario, mode, output))

@@ -1,5 +1,6 @@
 """A run's signals on one time base, for metrics and pictures."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -34,6 +35,12 @@ def reference_at(time: np.ndarray, scenario: Scenario) -> np.ndarray:
         return np.full(len(time), np.nan)
     reference = scenario.reference.reference()
     return np.array([evaluate(reference, float(t)).position for t in time])
+
+
+def sine_of(scenario: Scenario) -> float:
+    """The frequency [Hz] of a sine to follow; NaN for any other reference."""
+    followed = scenario.controller.law != "open-loop"
+    return getattr(scenario.reference, "frequency", math.nan) if followed else math.nan
 
 
 def vapour(state: Mapping[str, NDArray]) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.recording.columns import signals
+from bridge.recording.columns import signals, sine_of
 from bridge.recording.reader import Recording
 from bridge.recording.summary import (
     PERCENTILES,
@@ -51,7 +51,7 @@ def known_or_made(recording: Recording, scenario: Scenario) -> Summary:
 
 def _metrics(recording: Recording, scenario: Scenario) -> Metrics:
     with np.errstate(invalid="ignore"):
-        return measure(signals(recording, scenario))
+        return measure(signals(recording, scenario), frequency=sine_of(scenario))
 
 
 def _timing(recording: Recording) -> TimingSummary | None:

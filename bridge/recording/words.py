@@ -3,8 +3,8 @@
 from typing import Any
 
 from bridge.recording.reader import Recording
-from bridge.recording.summary import plain_metrics, summary_of
-from bridge.scenario.bands import METRICS, value_with_unit
+from bridge.recording.summary import summary_of
+from bridge.scenario.bands import metric_words
 from bridge.wire.messages import Mode
 
 MODES = {Mode.INPROCESS: "in one process", Mode.LOCKSTEP: "in lockstep", Mode.REALTIME: "in real time"}
@@ -33,8 +33,7 @@ def _control(scenario: dict[str, Any]) -> str:
 def run_in_words(recording: Recording) -> str:
     """The run as Markdown."""
     summary = summary_of(recording)
-    metrics = plain_metrics(summary.metrics) if summary else {}
-    rows = [(METRICS[name].words, value_with_unit(name, value)) for name, value in metrics.items()]
+    rows = metric_words(summary.metrics) if summary else []
     table = ["| | |", "|---|---|", *(f"| {words} | {value} |" for words, value in rows)] if rows else []
     scenario = recording.metadata.get("run", {}).get("scenario", {})
     title = scenario.get("title") or scenario.get("name", "A run")

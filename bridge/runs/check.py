@@ -2,21 +2,25 @@
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
-from bridge.errors import visible
+import numpy as np
+
+from bridge.errors import ScenarioError, visible
 from bridge.processes.options import RunOptions
+from bridge.recording.columns import signals, sine_of
 from bridge.recording.names import own_name
 from bridge.recording.reader import read
 from bridge.recording.summary import Summary
 from bridge.runs.run import Outcome, run_scenario
 from bridge.scenario import Scenario
-from bridge.scenario.bands import parse_band, signal_with_unit, value_with_unit
+from bridge.scenario.bands import UNDEFINED, cycle_words, outside, parse_band, signal_with_unit, value_with_unit
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.messages import Mode
-from controller.bands import END, START, Band, Metrics, WindowBand, judge
+from controller.bands import END, START, WHOLE, Band, Metrics, WindowBand, judge
 from controller.grid import NS
-from controller.window import judge_window
+from controller.metrics import Signals, measure
+from controller.window import bounds, judge_window, within
 from twin.circuit.reading import BALANCES, moments
 
 UNKNOWN = Metrics(*(float("nan") for _ in Metrics._fields))  # of a run without any
@@ -57,6 +61,13 @@ class CheckResult(NamedTuple):
         }
 
 
+def refuse_windows(scenario: Scenario) -> None:
+    """Raises ScenarioError for a band about a time that the run does not reach."""
+    for text in scenario.expect:
+        if wrong := outside(parse_band(text), scenario.duration):
+            raise ScenarioError(f"{scenario.name}: expect {text!r}: {wrong}; lengthen duration or move the window")
+
+
 def check_scenario(scenario: Scenario, mode: Mode, folder: Path) -> CheckResult:
     """Run a scenario headless and judge it."""
     with own_name(folder / f"{scenario.name}-check-running.mcap") as path:
@@ -94,36 +105,63 @@ def judge_run(scenario: Scenario, summary: Summary | None, recording: Path | Non
     """A verdict on each band of a scenario; one on a run that left nothing behind fails."""
     metrics = (summary and summary.metrics) or UNKNOWN
     bands = [(text, parse_band(text)) for text in scenario.expect]
-    windows = [band for _, band in bands if isinstance(band, WindowBand)]
-    look = Look(recording, scenario) if windows and recording else None
-    return [
-        look_up(text, band, look) if isinstance(band, WindowBand) else _judge(text, band, metrics)
-        for text, band in bands
-    ]
+    look = Look(recording, scenario) if recording and any(not _of_run(band) for _, band in bands) else None
+    return [_judge(text, band, metrics) if _of_run(band) else look_up(text, band, look) for text, band in bands]
+
+
+def _of_run(band: Band | WindowBand) -> TypeGuard[Band]:
+    return isinstance(band, Band) and (band.begin, band.end) == WHOLE
 
 
 class Look:
     """The true signals of a recorded run, its balances and its moments."""
 
     def __init__(self, recording: Path, scenario: Scenario) -> None:
-        circuit = circuit_of(scenario)
-        columns = read(recording, ("state",)).columns("state")
+        circuit, found = circuit_of(scenario), read(recording)
+        columns = found.columns("state")
+        self.run = signals(found, scenario)
+        self.frequency = sine_of(scenario)
         self.time = columns["stamp"] / NS
-        self.signals = columns | {n: balance(self.time, columns, circuit) for n, balance in BALANCES.items()}
+        followed = {"error": self.run.reference - self.run.position, "reference": self.run.reference}
+        balances = {name: balance(self.time, columns, circuit) for name, balance in BALANCES.items()}
+        self.signals = columns | balances | followed
         self.moments = moments(self.time, columns, circuit) | {START: 0.0, END: float(self.time[-1])}
 
+    def metrics(self, window: tuple[float, float]) -> Metrics:
+        """The metrics of a part of the run; a constant stretch that it cuts has followed the motion before it."""
+        inside = np.flatnonzero(within(self.time, window))
+        if not inside.size:
+            return UNKNOWN
+        part = slice(inside[0], inside[-1] + 1)
+        moved = bool(np.any(np.diff(self.run.reference[: part.start + 1]) != 0.0))
+        with np.errstate(invalid="ignore"):
+            return measure(Signals(*(column[part] for column in self.run)), frequency=self.frequency, moved=moved)
 
-def look_up(text: str, band: WindowBand, look: Look | None) -> Judgement:
+
+def look_up(text: str, band: Band | WindowBand, look: Look | None) -> Judgement:
     """The verdict on a part of a run."""
     if look is None:
         return Judgement(text, "-", False)
+    window = bounds(band, look.moments)
+    if not within(look.time, window).any():
+        return Judgement(text, _empty(band, window), False)
+    if isinstance(band, Band):
+        return _judge(text, band, look.metrics(window))
     verdict = judge_window(band, look.time, look.signals[band.signal], look.moments)
-    return Judgement(text, signal_with_unit(band.signal, verdict.value), verdict.passed)
+    found = signal_with_unit(band.signal, verdict.value)
+    return Judgement(text, f"- ({band.signal} has no value there)" if found == "-" else found, verdict.passed)
+
+
+def _empty(band: Band | WindowBand, window: tuple[float, float]) -> str:
+    never = [moment.name for moment, at in zip((band.begin, band.end), window, strict=True) if at != at]
+    return f"- (no {never[0]} happened)" if never else f"- (no sample from {window[0]:g} s to {window[1]:g} s)"
 
 
 def _judge(text: str, band: Band, metrics: Metrics) -> Judgement:
     verdict = judge(metrics, [band])[0]
     found = value_with_unit(verdict.metric, verdict.value)
-    if verdict.metric == "limit_cycle_amplitude" and verdict.value > 0.0:
-        found += f" at {value_with_unit('limit_cycle_frequency', metrics.limit_cycle_frequency)}"
+    if verdict.value != verdict.value:
+        found = f"- ({UNDEFINED.get(verdict.metric, 'the run left no signals')})"
+    if verdict.metric == "limit_cycle_amplitude" and verdict.value == verdict.value:
+        found += f", {cycle_words(metrics)}"
     return Judgement(text, found, verdict.passed)

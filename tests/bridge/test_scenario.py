@@ -1,6 +1,7 @@
 """Scenario files: right ones load, wrong ones get one line that helps."""
 
 import json
+import re
 
 import pytest
 from hypothesis import given
@@ -8,11 +9,11 @@ from hypothesis import strategies as st
 
 from bridge.errors import nearest
 from bridge.scenario import Scenario, ScenarioError, check, load, names
-from bridge.scenario.bands import METRICS, parse_band
+from bridge.scenario.bands import METRICS, outside, parse_band
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.files import listed
 from bridge.scenario.units import UNITS, quantity
-from controller.bands import Band
+from controller.bands import WHOLE, Band, Moment, WindowBand
 from controller.reference import evaluate
 from twin.rig import RIG, Choice, values
 
@@ -168,7 +169,48 @@ def test_units_convert_by_their_factor(unit, value):
 
 @pytest.mark.parametrize("metric", sorted(METRICS))
 def test_a_band_for_every_metric(metric):
-    assert parse_band(f"{metric.replace('_', ' ')} <= 3") == Band(metric, "<=", 3.0)
+    shown = METRICS[metric]
+    band = parse_band(f"{metric.replace('_', ' ')} <= 3 {shown.shown_unit.replace('travels', '')}")
+    assert band == Band(metric, "<=", pytest.approx(3.0 / shown.factor))
+
+
+@pytest.mark.parametrize(
+    ("text", "way_out"),
+    [
+        ("overshoot <= 5", "5 has no unit, and would be 500 %: write '5 %'"),
+        ("rms error <= 5", "write '5 mm'"),
+        ("mean p1 >= 60", "write '60 bar'"),
+        ("rms error from 3 to end <= 5 mm", "write '3 s' or another unit"),
+        ("mean p1 from end - 3 to end <= 5 bar", "3 has no unit"),
+        ("max error from end to end - 1 s <= 5 mm", "the window ends before it begins"),
+        ("rms eror from 3 s to end <= 5 mm", "no signal 'eror'; did you mean 'error'"),
+    ],
+)
+def test_a_band_without_unit_or_with_a_window_that_cannot_be_is_refused_in_one_line(text, way_out):
+    with pytest.raises(ValueError, match=re.escape(way_out)) as found:
+        parse_band(text)
+    assert "\n" not in str(found.value)
+
+
+def test_zero_and_what_has_no_unit_need_none():
+    assert parse_band("limit cycle amplitude <= 0").limit == 0.0
+    assert parse_band("valve travel <= 3").limit == parse_band("amplitude ratio <= 3").limit == 3.0
+    assert parse_band("mean spool from 1 s to end <= 0.5").limit == 0.5
+
+
+def test_bands_on_the_error_and_the_reference_over_windows():
+    begin, end = Moment("start", 3.0), Moment("end", 0.0)
+    assert parse_band("rms error from 3 s to end <= 5 mm") == Band("rms_error", "<=", 5e-3, begin, end)
+    assert parse_band("overshoot from 3 s to end <= 5 %").begin == begin
+    assert parse_band("mean error from 3 s to end <= 5 mm") == WindowBand("mean", "error", begin, end, "<=", 5e-3)
+    assert parse_band("greatest reference <= 20 cm") == WindowBand("greatest", "reference", *WHOLE, "<=", 0.2)
+
+
+@pytest.mark.parametrize("window", ["25 s to end", "1 s to 25 s", "end - 21 s to end", "start - 1 s to end"])
+def test_a_window_outside_of_the_run_is_named(window):
+    assert "which lasts from 0 s to 20 s" in (outside(parse_band(f"rms error from {window} <= 5 mm"), 20.0) or "")
+    assert outside(parse_band("rms error from 1 s to end - 1 s <= 5 mm"), 20.0) is None
+    assert outside(parse_band("mean p1 from impact + 30 s to end <= 5 bar"), 20.0) is None
 
 
 def test_bands_take_units():

@@ -49,7 +49,10 @@ def golden() -> Recording:
 def test_a_recording_s_summary_comes_back_key_by_key_in_its_order(golden):
     written = golden.metadata["summary"]
     again = Summary.from_plain(written).plain()
-    assert json.dumps(again) == json.dumps(written)
+    later = {name: value for name, value in again["metrics"].items() if name not in written["metrics"]}
+    assert set(later.values()) <= {None}  # metrics that its version did not know
+    known = {name: again["metrics"][name] for name in written["metrics"]}
+    assert json.dumps(again | {"metrics": known}) == json.dumps(written)
     assert again["metrics"]["rise_time"] > 0.0
 
 

@@ -111,6 +111,7 @@ def sentences(at: OperatingPoint) -> list[str]:
     ]
     found, amplitude = at.found_frequency, at.found_amplitude
     swing = f"{found:.3g} Hz, {amplitude * 1e3:.3g} mm" if found and amplitude is not None else "none"
+    swing = "not applicable, no constant stretch to judge" if found is None else swing
     expected = f"{_stretch(predicted)} Hz" if predicted else "none"
     return [*lines, f"oscillation predicted: {expected}; found: {swing}"]
 
