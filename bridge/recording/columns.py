@@ -39,8 +39,7 @@ def reference_at(time: np.ndarray, scenario: Scenario) -> np.ndarray:
 
 def sine_of(scenario: Scenario) -> float:
     """The frequency [Hz] of a sine to follow; NaN for any other reference."""
-    followed = scenario.controller.law != "open-loop"
-    return getattr(scenario.reference, "frequency", math.nan) if followed else math.nan
+    return getattr(scenario.reference, "frequency", math.nan) if scenario.controller.follows else math.nan
 
 
 def vapour(state: Mapping[str, NDArray]) -> NDArray[np.float64]:

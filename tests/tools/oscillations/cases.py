@@ -7,7 +7,7 @@ band, friction, noise, decay and growth. `random_cases` draws further ones from 
 
 import random
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from bridge.scenario import Scenario, load
 
@@ -32,9 +32,11 @@ def labelled_cases() -> list[Case]:
     return [*_relays(), *_gains(), *_dead_bands(), *_creep(), *_noise(), *_decaying_and_growing(), *_shapes()]
 
 
-def _case(kind: str, period: float, delay: float, size: float = 60.0, length: float = 11.0, **more: object) -> Case:
+def _case(kind: str, period: float, delay: float, size: float = 60.0, length: float = 11.0, **more: Any) -> Case:
     """A step of `size` [mm] at a sample period and a delay [ms], and any further entries with `__` for a dot."""
     named = {name.replace("__", "."): value for name, value in more.items()}
+    if named.get("controller.kind") == "relay":
+        named = _of_relay(named)
     changes = [
         f"loop.sample_period={period} ms",
         f"loop.delay={delay} ms",
@@ -47,7 +49,15 @@ def _case(kind: str, period: float, delay: float, size: float = 60.0, length: fl
     return Case(f"{kind} T={period:g} delay={delay:g} step={size:g} {words}", kind, tuple(changes))
 
 
-def _gain(volts: float, derivative: float = 0.0) -> dict[str, object]:
+def _of_relay(named: dict[str, Any]) -> dict[str, Any]:
+    """A relay knows the sign only: of both gains their ratio."""
+    gain, derivative = (float(str(named[f"controller.{name}"]).split()[0]) for name in ("gain", "derivative"))
+    gone = ("controller.gain", "controller.derivative", "controller.compensate_overlap")
+    kept = {name: value for name, value in named.items() if name not in gone}
+    return kept | {"controller.derivative_time": f"{derivative / gain:.4g} s"}
+
+
+def _gain(volts: float, derivative: float = 0.0) -> dict[str, Any]:
     return {"controller__gain": f"{volts} V/%", "controller__derivative": f"{derivative} V s/%"}
 
 
@@ -57,7 +67,7 @@ def _relays() -> Iterator[Case]:
             *((1, 1, 0.0), (1, 1, 0.2), (1, 1, 0.6), (1, 20, 0.2), (5, 0, 0.1)),
             *((10, 5, 0.0), (10, 10, 0.4), (20, 40, 0.2), (50, 0, 0.05)),
         ):
-            more = {"controller__law": "relay", "rig__valve__kind": valve} | _gain(1.0, derivative)
+            more = {"controller__kind": "relay", "rig__valve__kind": valve} | _gain(1.0, derivative)
             yield _case("relay", period, delay, **more)
 
 
@@ -158,7 +168,7 @@ def _drawn(draw: random.Random, i: int) -> Case:
     scale = 4.0 / (1.0 + 0.06 * (period + delay))  # [V/%], of the order of the edge
     more = {
         "seed": i + 1,
-        "controller__law": law,
+        "controller__kind": law,
         "controller__compensate_overlap": draw.choice(("true", "true", "false")),
         "rig__valve__kind": draw.choice(("proportional", "switching")) if law == "relay" else "proportional",
         "rig__load__mass": draw.choice((120, 210, 303)),

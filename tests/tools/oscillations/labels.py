@@ -30,7 +30,7 @@ class Label(NamedTuple):
     doubtful: bool
     middle: float  # [m], peak to peak in the middle third
     last: float  # [m], in the last third
-    parts: tuple[float, float, float]  # [m], of the last third
+    parts: tuple[float, ...]  # [m], of the last third
 
     @property
     def oscillates(self) -> bool:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -27,7 +28,7 @@ def draw_sheets(runs: Sequence[Judged], folder: Path) -> list[Path]:
     return paths
 
 
-def _draw(axes, run: Judged) -> None:
+def _draw(axes: Any, run: Judged) -> None:
     stretches = judged(run.trace.time, run.reference)
     lively = max(
         stretches, key=lambda s: np.ptp(run.trace.position[s.stop - (s.stop - s.start) // 3 : s.stop]), default=None
