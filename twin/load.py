@@ -1,7 +1,7 @@
 """What the piston carries, and a further weight that waits on a support until the piston picks it up.
 
 Source: (2.10) and 2.6. The weight rests with its face at a height; from there the piston presses a buffer against it,
-k = m (pi/t)^2 with t the half-period (3 ms, found by trial and error in the source). The contact pushes and never
+k = m (pi/t)^2 with t the half-period (3 ms, found by trial and error in the thesis). The contact pushes and never
 pulls. When the weight has come to the piston's speed they are one body, without rebound: the work left in the buffer
 is lost. Set down again on its support, the weight stays there.
 """

@@ -1,6 +1,6 @@
 """Orifice between laminar and turbulent flow: Cd = c sqrt(Re/(Re + Re_t)), after Borutzky.
 
-With Re = Q D/(A nu) the law is a quadratic, explicit both ways; the source iterates without need.
+With Re = Q D/(A nu) the law is a quadratic, explicit both ways; the thesis iterates without need.
 The hydraulic diameter is that of the round hole of the same area (assumed).
 """
 

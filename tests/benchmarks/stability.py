@@ -1,4 +1,4 @@
-"""Charts of stability: counted by Schur's recursion, beside numpy's eigenvalues; areas of the source's charts."""
+"""Charts of stability: counted by Schur's recursion, beside numpy's eigenvalues; areas of the thesis's charts."""
 
 import math
 import time
@@ -34,7 +34,7 @@ def inside(mu: np.ndarray) -> np.ndarray:
 
 
 def rows(folder: Path) -> Iterator[Row]:
-    """Speed, then the share of each of the source's charts that has 3, 2, 1, 0 stable multipliers."""
+    """Speed, then the share of each of the thesis's charts that has 3, 2, 1, 0 stable multipliers."""
     counted, took = chart(), math.inf
     for _ in range(5):
         start = time.perf_counter()

@@ -1,4 +1,4 @@
-"""Figures of the source, drawn from the twin: what the measurements on it must give back."""
+"""Figures of the thesis, drawn from the twin: what the measurements on it must give back."""
 
 import csv
 import math
@@ -137,7 +137,7 @@ def test_the_seeded_measurement_lies_near_the_laws():
     """Three standard deviations of Wald's slope, from a thermometer of 0.5 deg C."""
     laws, true = fit(measure()), fit(exact_points(kinematic_viscosity))
     assert laws.first.slope == pytest.approx(true.first.slope, abs=3.0 * laws.first.slope_deviation)
-    assert laws.first.slope == pytest.approx(-0.0401, rel=0.05)  # the source's points are not ours
+    assert laws.first.slope == pytest.approx(-0.0401, rel=0.05)  # the thesis's points are not ours
     shown = measure().temperature - measure(thermometer=0.0).temperature
     assert 0.0 < np.abs(shown).max() < 4.0 * THERMOMETER / math.sqrt(3.0)
 

@@ -1,4 +1,4 @@
-"""Figures 5.7 to 5.19: what the source reads from its own charts, and the table of their areas."""
+"""Figures 5.7 to 5.19: what the thesis reads from its own charts, and the table of their areas."""
 
 import math
 

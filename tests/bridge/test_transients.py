@@ -1,4 +1,4 @@
-"""Figures 2.28 to 2.30 and the picture of the circuit: what the source says happens in them, in order and size.
+"""Figures 2.28 to 2.30 and the picture of the circuit: what the thesis says happens in them, in order and size.
 
 Levels follow from balances: 302 kg need 25.6 bar, (2.102); the relief valve is set to 67 bar; the pump's flow over the
 lower area is the piston's speed.
@@ -84,7 +84,7 @@ def test_the_pump_is_heard_at_p1_alone_while_the_cylinder_is_shut_in(speed: int)
 
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_the_shut_in_load_rests_within_what_the_seals_hold_and_falls_by_the_leak(speed: int):
-    """A_l p_l = m g +- 0.25 p_w b pi (D + d): p_l - p_u between 14 and 50 bar; the source read 27 to 32, then less."""
+    """A_l p_l = m g +- 0.25 p_w b pi (D + d): p_l - p_u between 14 and 50 bar; the thesis read 27 to 32, then less."""
     run = experiment(speed)
     shut = between(run.time, START + LIFT[speed] + 0.3, RESTART[speed])
     across = run.p2[shut] - run.p3[shut]
@@ -98,7 +98,7 @@ def test_the_load_change_opens_the_relief_valve_and_it_shuts_again():
     time, passing = figure.transient.time, figure.transient.relieved > 0.0
     _, start, contact, stop, _ = figure.bounds
     assert start == pytest.approx(0.976, abs=FINE)
-    assert contact == pytest.approx(1.08 + 0.03, abs=0.01)  # the source's valve opened at once, this one in 30 ms
+    assert contact == pytest.approx(1.08 + 0.03, abs=0.01)  # the thesis's valve opened at once, this one in 30 ms
     assert passing[between(time, contact, contact + 0.025)].any()
     assert not passing[between(time, contact + 0.05, figure.bounds[-1])].any()
     assert not passing[period(figure, "a, b")].any()
@@ -109,7 +109,7 @@ def test_the_load_change_opens_the_relief_valve_and_it_shuts_again():
 
 @pytest.mark.parametrize(("figure", "letter"), [(load_change, "d"), (impingement, "c")])
 def test_the_piston_rises_as_the_pump_gives(figure, letter: str):
-    """In the last 50 ms before the next event: v = Q(p1)/A_l within 3 %, the source's 0.38 m/s within 5 %."""
+    """In the last 50 ms before the next event: v = Q(p1)/A_l within 3 %, the thesis's 0.38 m/s within 5 %."""
     shown, circuit = figure(), build(values(), 50e-6)
     end = shown.bounds[shown.letters.index(letter) + 1]
     last = between(shown.transient.time, end - 0.05, end - 0.001)

@@ -75,7 +75,7 @@ def test_exact_line_by_echoes():
 
 
 def test_poles():
-    """Table 2.5 of the source."""
+    """Table 2.5 of the thesis."""
     assert np.sqrt(friction("zielke", poles=10).rates) == pytest.approx(TABLE_2_5, abs=6e-5)
 
 

@@ -94,7 +94,7 @@ def test_collocation_converges_faster_than_any_power(ends: str):
 @pytest.mark.parametrize("time", TIMES)
 @pytest.mark.parametrize("space", UNIFORM)
 def test_boundary_values_held_over_a_step_leave_first_order(space: str, time: str):
-    """The flaw of the source; at 128 cells it costs a factor of 10 to 1000 where the time scheme is of order 2 up."""
+    """The flaw of the thesis; at 128 cells it costs a factor of 10 to 1000 where the time scheme is of order 2 up."""
     coarse, fine = (error(space, time, "driven", n, n, held_over_step=True) for n in (64, 128))
     assert order_of(coarse, fine) == pytest.approx(1.0, abs=0.2)
     if time != "backward-euler":

@@ -1,4 +1,4 @@
-"""Main stage: the damping and the thrust that the source prints, with its numbers and with ours."""
+"""Main stage: the damping and the thrust that the thesis prints, with its numbers and with ours."""
 
 import math
 
@@ -24,7 +24,7 @@ def test_the_damping_of_the_spool_is_as_printed(numbers: dict[str, float], film:
 
 
 def test_the_thrust_on_the_open_spool_is_as_corrected():
-    """At 4 mm, 26 mm: A_out/A = 0.40167; with Cd 0.8 and the linearised 0.43514 the source prints 0.8485."""
+    """At 4 mm, 26 mm: A_out/A = 0.40167; with Cd 0.8 and the linearised 0.43514 the thesis prints 0.8485."""
     main = valve(spool_discharge=0.8).main
     seat = mouth(4e-3, main)
     opening = seat.conductance / main.jet / main.area

@@ -1,4 +1,4 @@
-"""Oil: the tables and figures of section 2.2.3 of the source, recomputed."""
+"""Oil: the tables and figures of section 2.2.3 of the thesis, recomputed."""
 
 import math
 
@@ -54,7 +54,7 @@ def test_measured_modulus_and_wave_speed_agree():
 
 @pytest.mark.parametrize(("young", "fluid"), [(2.1e11, 1.16977e9), (2.1e10, 1.61511e9)])
 def test_fluid_modulus_from_the_steel_pipe(young: float, fluid: float):
-    """d = 11 mm, wall 2 mm; the second is the source's slip, E ten times too small."""
+    """d = 11 mm, wall 2 mm; the second is the thesis's slip, E ten times too small."""
     assert fluid_modulus(1.135e9, 11e-3, 2e-3, young) == pytest.approx(fluid, rel=1e-5)
     assert effective_modulus(fluid, 11e-3, 2e-3, young) == pytest.approx(1.135e9, rel=1e-5)
 

@@ -1,4 +1,4 @@
-"""Pilot poppet: the source's printed numbers, its areas by elementary geometry, its forces by (2.33), (2.34)."""
+"""Pilot poppet: the thesis's printed numbers, its areas by elementary geometry, its forces by (2.33), (2.34)."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Gear pump: the figures of section 2.6 of the source, and the ripple of its teeth."""
+"""Gear pump: the figures of section 2.6 of the thesis, and the ripple of its teeth."""
 
 import math
 from itertools import pairwise

@@ -2,7 +2,7 @@
 
 With a1 = beta phi_1, a3 = beta phi_3 the characteristic polynomial is `l^3 + (k + a3) l^2 + (1 + k a3) l + a1 + a3`. A
 pair crosses the imaginary axis where `a3 k^2 + (1 + a3^2) k - a1 = 0`, at `w^2 = 1 + a3 k`; without precompression
-these are (4.14), (4.15), (4.42), (4.43) of the source, a1 = n z, a3 = z, n = 2 (chamfered) or 3 (conical).
+these are (4.14), (4.15), (4.42), (4.43) of the thesis, a1 = n z, a3 = z, n = 2 (chamfered) or 3 (conical).
 """
 
 import math

@@ -1,6 +1,6 @@
 """What the valve does after a long time: calm, a free swing, one that hits the seat; and exact period-one orbits.
 
-Section: the highest lifts, y2 = 0 from above. 4.4.3 of the source, whose pages are lost.
+Section: the highest lifts, y2 = 0 from above. 4.4.3 of the thesis, whose pages are lost.
 """
 
 import math

@@ -85,7 +85,7 @@ def change(law: SeatLaw) -> float:
 def turned_change(law: SeatLaw) -> float:
     """The same with the quadratic term of the plane turned round, as by the other sense of rotation in its formula.
 
-    For the chamfered seat 1.3253: the nearest that was found to the source's 1.323.
+    For the chamfered seat 1.3253: the nearest that was found to the thesis's 1.323.
     """
 
     def coefficient(z: float) -> float:

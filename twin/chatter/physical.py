@@ -1,6 +1,6 @@
 """The pilot of the relief valve before its volume, in SI, and its dimensionless system for either seat.
 
-(4.5) to (4.10), (4.34) to (4.39) of the source, recomputed: its sigma is 22 times too small, and its formula for the
+(4.5) to (4.10), (4.34) to (4.39) of the thesis, recomputed: its sigma is 22 times too small, and its formula for the
 conical reference lift gives 1.23 mm, not 0.23 mm. Lifts are in reference lifts, pressures in `s x_ref/A`.
 """
 

@@ -1,6 +1,6 @@
 """Poppet, spring and volume in dimensionless form, for either seat.
 
-(4.12), (4.40) of the source: `y1' = y2, y2' = -k y2 - y1 - e + y3, y3' = beta (q - phi)`. y1 lift, y3 pressure, e
+(4.12), (4.40) of the thesis: `y1' = y2, y2' = -k y2 - y1 - e + y3, y3' = beta (q - phi)`. y1 lift, y3 pressure, e
 precompression, q flow in, k damping; time in 1/omega of poppet and spring. phi = y1 sqrt(y3) over a chamfered edge,
 turbulent, y1^3 y3 in a long conical gap, laminar. The lift the flow has lost, sigma y1 of (4.4), is left out.
 """

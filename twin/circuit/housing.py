@@ -1,4 +1,4 @@
-"""How the relief valve shakes its housing: 4.5 of the source, whose accelerometer sat on it.
+"""How the relief valve shakes its housing: 4.5 of the thesis, whose accelerometer sat on it.
 
 Springs, seats and stops, flow forces and damping all act between the two moving bodies and the housing with its oil.
 So what they do to the housing is minus what they do to the bodies: `M a = -(m u' + m_s v')`, impacts included, poppet
@@ -24,7 +24,7 @@ SHAKEN = (  # places in a flat state
     HELD["p1"],
     HELD["flow_relief"],
 )
-RESOLUTION, BAND = 4.0, 10e3  # [Hz], the source's analyser
+RESOLUTION, BAND = 4.0, 10e3  # [Hz], the thesis's analyser
 
 
 class Shaken(NamedTuple):

@@ -10,7 +10,7 @@ from twin.kernel import by_type
 
 
 class IncompressibleOil(NamedTuple):
-    """No volume worth counting, as in the source."""
+    """No volume worth counting, as in the thesis."""
 
 
 class CompressibleOil(NamedTuple):

@@ -1,6 +1,6 @@
 """Pilot poppet of the relief valve: a spring-loaded cone on its seat, p2 below it, the tank behind it.
 
-Symbols and signs: `README.md`, after (2.32), (2.34), (2.41) to (2.44) of the source. Lift x >= 0 from the seat,
+Symbols and signs: `README.md`, after (2.32), (2.34), (2.41) to (2.44) of the thesis. Lift x >= 0 from the seat,
 pressures gauge, tank at zero. What flows and pushes in the gap is the seat's: `seat`.
 """
 

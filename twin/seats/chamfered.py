@@ -1,6 +1,6 @@
 """Short chamfered seat: turbulent flow over an edge, its loss coefficient, and the force on the cone.
 
-Symbols and signs: `twin/README.md`, after (2.20), (2.25), (2.26), (2.33), (2.34), (4.2) of the source. The lift
+Symbols and signs: `twin/README.md`, after (2.20), (2.25), (2.26), (2.33), (2.34), (4.2) of the thesis. The lift
 x >= 0 is axial, pressures gauge in Pa, forces in N, > 0 opens. The relief valve's own pilot:
 `twin/relief/poppet.py`.
 """

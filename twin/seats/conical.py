@@ -1,8 +1,8 @@
 """Long conical seat: laminar flow between a cone and its housing, and what it does to the cone.
 
-Symbols and signs: `twin/README.md`, after (3.1) to (3.32) of the source, corrected. y runs downstream along the
+Symbols and signs: `twin/README.md`, after (3.1) to (3.32) of the thesis, corrected. y runs downstream along the
 gap, h from the housing to the cone. The lift x is axial and opens; `wall` is the cone's speed along the gap, > 0
-downstream: at an axial speed v it is v cos a, which the source takes as v. Oil that the cone displaces by widening the
+downstream: at an axial speed v it is v cos a, which the thesis takes as v. Oil that the cone displaces by widening the
 gap is in `film.py`. Pressures in Pa, forces in N, > 0 opens.
 """
 
@@ -28,7 +28,7 @@ class ConicalSeat(NamedTuple):
 
 
 class Gap(NamedTuple):
-    """A seat at a lift, in the source's symbols."""
+    """A seat at a lift, in the thesis's symbols."""
 
     H: float  # height [m]
     r1: float  # radius of the cone at the inlet [m]
@@ -67,7 +67,7 @@ def flow(x: float, drop: float, wall: float, seat: ConicalSeat) -> float:
 
 
 def power_flow(x: float, drop: float, exponent: float, seat: ConicalSeat) -> float:
-    """Q [m^3/s] by (3.9), (3.11): exponent 3, the limit of small lifts, or 2.9, the source's fit to its CFD."""
+    """Q [m^3/s] by (3.9), (3.11): exponent 3, the limit of small lifts, or 2.9, the thesis's fit to its CFD."""
     r = seat.radius
     length = math.log1p(seat.length * seat.sine / r)
     return math.pi * r**3 * seat.sine**4 * drop * (x / r) ** exponent / (6.0 * seat.viscosity * length)

@@ -1,4 +1,4 @@
-"""A cylinder in a pipe: the simplest estimate of the viscous force on a cone, (3.18) to (3.24) of the source.
+"""A cylinder in a pipe: the simplest estimate of the viscous force on a cone, (3.18) to (3.24) of the thesis.
 
 The drop is p_in - p_out throughout; the printed (3.24) has (H - 3 r_1)/4 where the limit of (3.23) has H.
 """

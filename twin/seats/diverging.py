@@ -1,8 +1,8 @@
-"""Flow between two plates that diverge: the boundary value problem (3.46), (3.47) of the source for the wall shear.
+"""Flow between two plates that diverge: the boundary value problem (3.46), (3.47) of the thesis for the wall shear.
 
 `F''' = G - R F F''` with `F'(0) = 1, F'(1) = 0, F(0) = F0, F(1) = 0`: four conditions for a third-order equation and
 its unknown pressure gradient G = g Re. R = Re/xi = V H/(nu r/H), u = V F' along the gap, -V F/xi across it. A cone that
-opens at v has V = v cos a at its wall, and F0 = +xi tan a (the wall goes away from the housing; the source's sign, and
+opens at v has V = v cos a at its wall, and F0 = +xi tan a (the wall goes away from the housing; the thesis's sign, and
 its value without xi, are slips). F0 = 0 is the wall that slides only. Chebyshev collocation and Newton.
 """
 

@@ -1,6 +1,6 @@
 """Squeeze film of a long conical seat: the oil that a cone draws in or pushes out when its lift changes.
 
-Not in the source, which keeps the flow constant along the gap. A cone that opens at v widens the gap everywhere by
+Not in the thesis, which keeps the flow constant along the gap. A cone that opens at v widens the gap everywhere by
 v sin a; continuity `Q' = -2 pi r v sin a`, r the cone's own radius, with the lubrication law `p' = Q/f`, f of (3.4).
 Inlet and outlet at the pressures of the steady flow, which this one adds to.
 """

@@ -1,7 +1,7 @@
 """Where the seats' laws hold, and a plain word where they do not.
 
 Chamfered: the loss coefficient (2.26) is fitted to lifts of 0.01 to 0.1 diameters. Conical: laminar up to
-Re = Q/(pi r nu) = 2500 (Urata, after 3.1 of the source); inertia is left out, so Re H/L must be small; and the gap must
+Re = Q/(pi r nu) = 2500 (Urata, after 3.1 of the thesis); inertia is left out, so Re H/L must be small; and the gap must
 be narrow against seat and radius. The limits 1 and 0.1 of the last two are assumed.
 """
 

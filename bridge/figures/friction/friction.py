@@ -70,7 +70,7 @@ def pressure_columns(test: Readings) -> Columns:
 
 
 def factor_columns(test: Readings) -> Columns:
-    """Figure 2.6, with the fitted constants and the source's."""
+    """Figure 2.6, with the fitted constants and the thesis's."""
     seal = rig_seal()
     law, (z, g), used = fit_power_law(test, seal), factor(test, seal), on_slope(test, seal)
     return _runs(test) | {
@@ -134,7 +134,7 @@ def draw_over_pressure() -> tuple[Columns, Sheet]:
 
 
 def draw_factor() -> tuple[Columns, Sheet]:
-    """Figure 2.6: over z as the source has it, and on logarithmic axes, where the law is straight."""
+    """Figure 2.6: over z as the thesis has it, and on logarithmic axes, where the law is straight."""
     test, seal = readings(), rig_seal()
     z, g = factor(test, seal)
     page, (plain, logs) = sheet("2.6  Friction factor over the dimensionless speed", panels=2)

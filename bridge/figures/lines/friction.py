@@ -28,7 +28,7 @@ CELLS, PEAKS = 50, 10
 STEP = PIPE.travel_time / CELLS
 SPAN = (4 * PEAKS + 2) * PIPE.travel_time
 EXACT_POINTS = 20000
-DRAWN = {"none": "black", "steady": "tab:red", "zielke": "tab:blue"}  # by FEM and ESDIRK4, as in the source; Re 1370
+DRAWN = {"none": "black", "steady": "tab:red", "zielke": "tab:blue"}  # by FEM and ESDIRK4, as in the thesis; Re 1370
 
 
 def models() -> dict[str, Friction]:
@@ -51,7 +51,7 @@ def errors(right: Peaks, found: History) -> tuple[np.ndarray, np.ndarray]:
 
 
 def drawn() -> dict[str, History]:
-    """What the source draws."""
+    """What the thesis draws."""
     fine = Resolution(cells=CELLS, step=STEP)
     return {name: method_of_lines(CASE, friction(name), "fem", "esdirk4", fine, SPAN) for name in DRAWN}
 

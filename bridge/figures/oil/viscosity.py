@@ -24,7 +24,7 @@ from twin.oil import SECONDS_TO_VISCOSITY, exponential_viscosity, kinematic_visc
 
 OIL_DENSITY = 876.56  # [kg/m^3], 2.2.3, as in the viscometer's constant
 REFERENCE = 20.0  # T_0 [deg C], (2.7)
-TEMPERATURES = np.arange(25.0, 75.1, 5.0)  # [deg C], the span of the source's figure
+TEMPERATURES = np.arange(25.0, 75.1, 5.0)  # [deg C], the span of the thesis's figure
 READINGS = 3  # per point, 2.2.3
 THERMOMETER = 0.5  # [deg C], standard deviation, 2.2.3
 STOP_WATCH = 0.1  # [s], resolution, assumed
@@ -100,7 +100,7 @@ def viscosity_fit() -> tuple[Points, Laws]:
 
 
 def viscosity_columns() -> Columns:
-    """The points, both laws at their temperatures, fitted and the source's, and the fitted constants."""
+    """The points, both laws at their temperatures, fitted and the thesis's, and the fitted constants."""
     points, laws = viscosity_fit()
     first, second = source_laws(points.temperature)
     table = {

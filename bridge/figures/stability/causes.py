@@ -1,6 +1,6 @@
 """Why the twin's edge of stability is not that of its linear theory: one cause at a time, and all of them.
 
-Not in the source, which names the causes only. Each case has its own rig and so its own theory, at the point where it
+Not in the thesis, which names the causes only. Each case has its own rig and so its own theory, at the point where it
 rests, or between slow motion up and down without a leak. Left over the sampling interval, right over the delay.
 """
 

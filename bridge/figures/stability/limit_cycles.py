@@ -43,7 +43,7 @@ def relay_courses() -> list[DrawnBranch]:
     start, limits = 0.004, Limits(0.0, 0.4, 2.0, 0.03, 300)
     branches = [follow_branch(relay_birth(plant, S, start), "d", -1.0, limits) for plant in (PLANT, FALLING)]
     return [
-        DrawnBranch("friction of the source, k 0.5", PLANT.k, branches[0], BLUE, 1.8),
+        DrawnBranch("friction of the thesis, k 0.5", PLANT.k, branches[0], BLUE, 1.8),
         DrawnBranch("friction falling with speed,\nk -0.2", FALLING.k, branches[1], ORANGE, 1.3),
     ]
 
@@ -114,7 +114,7 @@ def draw_proportional() -> tuple[Columns, Sheet]:
     remark(
         page,
         f"d {D:g}, k {PLANT.k:g}, alpha {PLANT.alpha:g}, gamma {PLANT.gamma:g}. Solid stable, dashed unstable. "
-        "Below s_crit runs of the loop come to rest; the unstable orbits of the source fit the grey curve.",
+        "Below s_crit runs of the loop come to rest; the unstable orbits of the thesis fit the grey curve.",
     )
     return columns, page
 

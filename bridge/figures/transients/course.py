@@ -1,7 +1,7 @@
 """The runs of figures 2.28 to 2.30, computed: pressures, position, relief valve and vapour over time.
 
-Source: 2.6. 2.28 is read at 1 kHz, as the source's card did; 2.29 and 2.30 at 10 kHz, since a wave is back after 2 to
-6 ms. Values are true ones: the card reads no pressure below the tank's. Periods are the source's: (a) and (b) at rest,
+Source: 2.6. 2.28 is read at 1 kHz, as the thesis's card did; 2.29 and 2.30 at 10 kHz, since a wave is back after 2 to
+6 ms. Values are true ones: the card reads no pressure below the tank's. Periods are the thesis's: (a) and (b) at rest,
 which here are one, as a run starts at rest; then (c) on its way up with its own load, (d) with the weight, or at the
 stop; (e) stopped.
 """
@@ -23,7 +23,7 @@ from twin.topology import OBSERVED
 SPEEDS = (502, 800, 1035, 1230)  # [rpm]
 LIFT = {502: 0.69, 800: 0.39, 1035: 0.29, 1230: 0.24}  # [s] up: from 100 mm to about the middle, with the weight
 START, LENGTH = 0.971, 4.5  # [s], start as in the load change
-RESTART = {502: 3.0, 800: 2.595, 1035: 2.595, 1230: 2.595}  # [s], as in the impingement; the slowest as in the source
+RESTART = {502: 3.0, 800: 2.595, 1035: 2.595, 1230: 2.595}  # [s], as in the impingement; the slowest as in the thesis
 SWITCHING = 1e-3  # [s] between two rows of a table
 CARD, FINE = 1e-3, 1e-4  # [s] from reading to reading
 SIGNALS = ("stamp", "p1", "p_lower", "p_upper", "position", "mass", "spool", "flow_relief")

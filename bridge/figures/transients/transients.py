@@ -27,9 +27,9 @@ from bridge.figures.transients.course import (
     load_change,
 )
 
-TAPS = {"p1": "#1f5fbf", "p2": "#1e8f4e", "p3": "#cc2f2f"}  # as in the source
+TAPS = {"p1": "#1f5fbf", "p2": "#1e8f4e", "p3": "#cc2f2f"}  # as in the thesis
 RED = "#d62728"
-NOTE = "The twin alone: the source's measurements exist only as pictures. True values, "
+NOTE = "The twin alone: the thesis's measurements exist only as pictures. True values, "
 
 
 def draw_experiment() -> tuple[Columns, Sheet]:
@@ -51,7 +51,7 @@ def draw_experiment() -> tuple[Columns, Sheet]:
     panels[-1].set_xlim(0.5, LENGTH)
     _name_taps(panels[0])
     page.align_ylabels(panels)
-    remark(page, NOTE + f"every {1e3 * CARD:g} ms, as the source's card read.")
+    remark(page, NOTE + f"every {1e3 * CARD:g} ms, as the thesis's card read.")
     return experiment_columns(), page
 
 

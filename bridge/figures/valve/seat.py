@@ -26,7 +26,7 @@ ANGLES = (20.0, 40.0, 60.0, 80.0)  # [deg], 3.2
 SPEEDS = ((0.0, "-"), (5.0, "--"), (-5.0, ":"))  # [m/s], 3.2
 LENGTHS = (5e-3, 100e-3)  # [m], 3.2
 OUTLET = 1.0 * BAR  # of 3.9, assumed
-INLET, LIFT = 50.0 * BAR, 0.2e-3  # of 3.2; the source does not print its lift: assumed
+INLET, LIFT = 50.0 * BAR, 0.2e-3  # of 3.2; the thesis does not print its lift: assumed
 
 
 def draw_pressure() -> tuple[Columns, Sheet]:
@@ -60,7 +60,7 @@ def draw_exponent() -> tuple[Columns, Sheet]:
     e = np.geomspace(0.02, 0.25, 60)
     scale = conical.power_flow(seat.radius, 1.0, 3.0, seat)
     exact = np.array([conical.flow(float(x) * seat.radius, 1.0, 0.0, seat) for x in e]) / scale
-    curves = {"e³, small lifts": e**3, "e^2.9, the source's fit to CFD": e**2.9, "exact, (3.2)": exact}
+    curves = {"e³, small lifts": e**3, "e^2.9, the thesis's fit to CFD": e**2.9, "exact, (3.2)": exact}
     page, (axes,) = sheet("3.3  Flow through the conical seat over the lift: Ξ(e)")
     for (name, value), style in zip(curves.items(), ("-", "--", "-."), strict=True):
         axes.plot(e, value, style, label=name, color={"-": "tab:blue", "--": "tab:green", "-.": "black"}[style])

@@ -1,6 +1,6 @@
 """Figures 3.10, 3.11, 3.13 to 3.15: viscous force on the cone by three models.
 
-Source: 3.4, corrected. Figure 3.13 and 3.14 have a wall that slides, F0 = 0, as the source's curves do.
+Source: 3.4, corrected. Figure 3.13 and 3.14 have a wall that slides, F0 = 0, as the thesis's curves do.
 """
 
 import math
@@ -108,7 +108,7 @@ def draw_difference() -> tuple[Columns, Sheet]:
 
 
 def draw_viscous() -> tuple[Columns, Sheet]:
-    """Figure 3.15, and beside it what damps a moving cone: shear, and the film that the source leaves out."""
+    """Figure 3.15, and beside it what damps a moving cone: shear, and the film that the thesis leaves out."""
     seat = conical_of(values())
     drop, grid = np.linspace(0.0, 40.0 * BAR, 50), np.geomspace(0.02, 0.6, 50) * MM
     columns: Columns = {"drop [Pa]": drop}

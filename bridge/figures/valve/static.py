@@ -23,7 +23,7 @@ from twin.rig import values
 from twin.seats.chamfered import loss_coefficient, momentum_force
 
 BAR, LITRE_PER_MINUTE = 1e5, 1e-3 / 60.0
-MEAN_DISCHARGE = 0.78  # 2.4.1, mean of the source's CFD
+MEAN_DISCHARGE = 0.78  # 2.4.1, mean of the thesis's CFD
 LIFTS = (0.2e-3, 0.3e-3, 0.4e-3, 0.5e-3)  # [m]
 PRECOMPRESSIONS = (0.2e-3, 0.4e-3, 0.6e-3, 0.8e-3, 1.0e-3)  # [m]
 TUBE_EDGE = 50.0  # Re at which Merritt's two laws meet, (2.22)
@@ -51,7 +51,7 @@ def draw_discharge() -> tuple[Columns, Sheet]:
     page, (axes,) = sheet("2.14  Discharge coefficient over the Reynolds number")
     for (name, law), style in zip(laws.items(), ("-", "--", ":"), strict=True):
         axes.plot(re, law, style, color="black", label=name)
-    axes.axhline(MEAN_DISCHARGE, color="tab:red", linewidth=0.9, label="0.78, the source's mean")
+    axes.axhline(MEAN_DISCHARGE, color="tab:red", linewidth=0.9, label="0.78, the thesis's mean")
     axes.set(xlim=(0.0, 1500.0), ylim=(0.0, 0.95))
     label(axes, "Re [-]", "$C_d$ [-]")
     axes.legend(frameon=False, loc="lower right")

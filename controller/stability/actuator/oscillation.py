@@ -59,7 +59,7 @@ class Loops(NamedTuple):
         return Timing(self.tau, self.delay, self.derivative, self.filter_time)
 
 
-PLAIN = Loops(0.5, 0.0, 0.1, 0.23, 3.0, 0.0, ALPHA, 1.0, START, "measured", None)  # amid the source's digital charts
+PLAIN = Loops(0.5, 0.0, 0.1, 0.23, 3.0, 0.0, ALPHA, 1.0, START, "measured", None)  # amid the thesis's digital charts
 ORDER = Loops._fields[:9]  # of a row of numbers
 
 

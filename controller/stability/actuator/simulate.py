@@ -23,7 +23,7 @@ from controller.stability.plant import Array
 from controller.stability.timing import Timing
 from twin.kernel import allocating_kernel, kernel
 
-ALPHA = 0.0043  # of the source's digital charts, Figs 5.8 to 5.19
+ALPHA = 0.0043  # of the thesis's digital charts, Figs 5.8 to 5.19
 TOLERANCE = 1e-7  # of a step, in supply pressures; 1e-9 moves a swing by 1e-5 of itself and costs twice as much
 WENT, END, LOST = 0, 1, 2  # how a run came out: to its end; the piston to that of the cylinder; its steps vanished
 NEAR_END = 0.999  # chamber lengths: where steps vanish beyond it, the piston runs into the end with the valve open

@@ -2,7 +2,7 @@
 
 Dormand and Prince's pair 5(4), steps chosen by the error of the state; the variational equations go along, so that
 derivatives are those of the flow; their errors choose the step too. An arc belongs to the side h <= 0: the relay holds
-u = 1, the proportional valve u = min(-h, 1), the smoothed relay both edges, (5.20). CROSSED is no valve: the
+u = 1, the proportional valve u = min(-h, 1), the smoothed relay both edges, (5.20). CROSSED is not a valve: the
 proportional loop with the edges of the other side, q1 = u G(y3), q2 = -u G(1 - y4) for u > 0; see `birth`.
 """
 

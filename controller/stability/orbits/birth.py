@@ -42,7 +42,7 @@ def linear_relay_orbit(half_period: float, s: float, actuator: Actuator) -> tupl
 
 
 def relay_birth(actuator: Actuator, s: float, half_period: float) -> Orbit:
-    """The relay's orbit of a short half-period. ArithmeticError where the linear orbit is no guess for it."""
+    """The relay's orbit of a short half-period. ArithmeticError where the linear orbit is not a guess for it."""
     z, d = linear_relay_orbit(half_period, s, actuator)
     guess = Orbit(
         analogue_loop(RELAY, actuator, Feedback(s, d)),
@@ -55,7 +55,7 @@ def relay_birth(actuator: Actuator, s: float, half_period: float) -> Orbit:
 def proportional_birth(actuator: Actuator, d: float, speed: float, kind: int = PROPORTIONAL) -> Orbit:
     """The orbit of a PROPORTIONAL or CROSSED loop with y2 = -speed at the switch, speed > 0 small against alpha.
 
-    ValueError without damping: there is no edge. ArithmeticError where the linear orbit is no guess for it.
+    ValueError without damping: there is no edge. ArithmeticError where the linear orbit is not a guess for it.
     """
     alpha, gamma, k = actuator
     if k <= 0.0 or kind not in (PROPORTIONAL, CROSSED):

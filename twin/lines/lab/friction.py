@@ -3,7 +3,7 @@
     f(u) = beta u + c sum_j I_j(t),   I_j = m_j int_0^t exp(-n_j (t - s)/t_v) u_s ds,   beta = 8/t_v, c = 4/t_v
 
 t_v = R^2/nu, (2.60) to (2.62); W(T) = sum m_j exp(-n_j T) stands for Zielke's weight sum_j exp(-z_j^2 T), J_2(z_j) = 0,
-z_j^2 at `rates`. In (2.65) the source's exponents lack nu/R^2 and in (2.66) delta lacks rho a; both are right here.
+z_j^2 at `rates`. In (2.65) the thesis's exponents lack nu/R^2 and in (2.66) delta lacks rho a; both are right here.
 Brunone and Vitkovsky: (k/2) (u_t + a sign(u) |u_x|), k = sqrt(C*)/2, C* = 0.00476 laminar ((2.53) prints 0.0476) and
 7.41/Re^log10(14.3/Re^0.05) turbulent. Turbulent friction is the laminar one times `twin.lines.friction.turbulence`.
 """

@@ -1,7 +1,7 @@
 """Marching a line system in time: backward Euler, BDF2, and pairs of ESDIRK with steps of their own choice.
 
 Values of held ends are taken at the stages' own times. `held_over_step` takes them from the start of the step instead,
-as the source did: every scheme is then of first order, which is all that it is there to show.
+as the thesis did: every scheme is then of first order, which is all that it is there to show.
 """
 
 import math

@@ -26,7 +26,7 @@ class Propagator(NamedTuple):
 def propagator(system: LineSystem, time: str, step: float) -> Propagator:
     """The step of backward Euler or an ESDIRK pair. ValueError: friction that is not linear, or bdf2."""
     if not system.model.linear or (time != "backward-euler" and time not in PAIRS):
-        raise ValueError(f"friction {system.model.name} by {time} is no single linear step; march it")
+        raise ValueError(f"friction {system.model.name} by {time} is not a single linear step; march it")
     stages = PAIRS[time].c if time in PAIRS else np.array([1.0])
     values, system.values = system.values, [lambda t: 0.0 for _ in system.values]
     size = 2 * system.nodes + len(system.alpha) * system.nodes
