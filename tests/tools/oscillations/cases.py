@@ -67,7 +67,7 @@ def _relays() -> Iterator[Case]:
             *((1, 1, 0.0), (1, 1, 0.2), (1, 1, 0.6), (1, 20, 0.2), (5, 0, 0.1)),
             *((10, 5, 0.0), (10, 10, 0.4), (20, 40, 0.2), (50, 0, 0.05)),
         ):
-            more = {"controller__kind": "relay", "rig__valve__kind": valve} | _gain(1.0, derivative)
+            more: dict[str, Any] = {"controller__kind": "relay", "rig__valve__kind": valve} | _gain(1.0, derivative)
             yield _case("relay", period, delay, **more)
 
 
@@ -79,7 +79,9 @@ def _gains() -> Iterator[Case]:
     ):
         for part in (0.5, 0.9, 1.15, 2.0):
             length = 20.0 if period >= 50 else 11.0
-            more = {"controller__compensate_overlap": "true", "rig__load__mass": mass} | _gain(edge * part)
+            more: dict[str, Any] = {"controller__compensate_overlap": "true", "rig__load__mass": mass} | _gain(
+                edge * part
+            )
             yield _case("pd", period, delay, size, length, **more)
 
 
