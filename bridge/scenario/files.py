@@ -48,7 +48,7 @@ def plain(which: str) -> dict[str, Any]:
 
 
 def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
-    """The plain data of a scenario, on top of those of the one it extends."""
+    """The plain data of a scenario, on top of what it extends: one, or several, each on top of those before."""
     if which in extended_by:
         raise ScenarioError(f"{which}: extends itself, by way of {', '.join(extended_by)}")
     text, folder = _source(which)
@@ -57,12 +57,12 @@ def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
     except ValueError as error:
         raise ScenarioError(f"{which}: cannot be read: {error}") from None
     data = with_place(_with_tables(data, folder), folder)
-    base = data.pop("extends", None)
-    if base is None:
-        return data
-    beside = folder / str(base)
-    found = _read(str(beside) if beside.is_file() else str(base), (*extended_by, which))
-    found.pop("name", None)
+    bases = data.pop("extends", [])
+    found: dict[str, Any] = {}
+    for base in bases if isinstance(bases, list) else [bases]:
+        beside = folder / str(base)
+        found = _merged(found, _read(str(beside) if beside.is_file() else str(base), (*extended_by, which)))
+        found.pop("name", None)
     return _merged(found, data)
 
 

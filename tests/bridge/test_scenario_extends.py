@@ -47,6 +47,19 @@ def test_extensions_chain_and_changes_come_last(tmp_path):
     assert (scenario.rig.load.mass, scenario.rig.load.added) == (200.0, 0.0)
 
 
+def test_a_scenario_may_extend_several_each_on_top_of_those_before(tmp_path):
+    """A rig of one file under the run of another; a reference of another kind brings all of its numbers."""
+    write(
+        tmp_path,
+        rig='[reference]\nkind = "step"\nstart = 0.1\nend = 0.2\n[rig.load]\nmass = "200 kg"\n[rig.pump]\nspeed = 10\n',
+        motion='[reference]\nkind = "constant"\nvalue = 0.1\n[rig.load]\nmass = "300 kg"\n',
+        own='extends = ["rig.toml", "motion.toml"]\nduration = 1.0\n',
+    )
+    scenario = load(str(tmp_path / "own.toml"))
+    assert scenario.reference.model_dump() == {"kind": "constant", "value": 0.1}
+    assert (scenario.rig.load.mass, scenario.rig.pump.speed, scenario.duration) == (300.0, 10.0, 1.0)
+
+
 def test_a_file_can_extend_a_built_in_scenario_and_a_built_in_one_another(tmp_path):
     write(tmp_path, own='extends = "impingement"\n[rig.load]\nmass = "165 kg"\n')
     own, base = load(str(tmp_path / "own.toml")), load("impingement")
