@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 COMPONENTS = (
     *("oil", "orifice", "port", "contact", "fitting", "seal", "load", "pump", "cylinder", "lands"),
-    *("spool_valve", "switching_valve", "sensors"),
+    *("spool_valve", "switching_valve", "sensors", "amplifier", "minor_losses"),
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (

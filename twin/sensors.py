@@ -1,9 +1,11 @@
 """Data acquisition: transducers and a multiplexed 12-bit card.
 
-Source: 2.2.2. Channel j of n is read at t - (n-1-j) * skew, interpolated inside the last step; noise is added in
-units of the card's resolution; what lies outside a range reads as its end. Each effect can be switched off.
+Source: 2.2.2. Channel j of n is read at t - (n-1-j) * skew, on the straight line through the last step, which is
+inside the step unless it is shorter than the scan; noise is added in units of the card's resolution; what lies outside
+a range reads as its end. The output, 0 to 10 V, has the resolution of the inputs. Each effect can be switched off.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,6 +54,15 @@ def convert(value: float, low: float, high: float, noise: float, card: Card) -> 
     if card.clip:
         reading = min(max(reading, low), high - lsb)
     return reading
+
+
+def put_out(reference: float, bits: float) -> float:
+    """What an output of so many bits makes of a spool reference; its range is that of the references, -1 to 1.
+
+    Rest is one of its values. The greatest is a step short of 1, as on every converter of an even number of values.
+    """
+    lsb = 2.0 / 2.0**bits
+    return min(-1.0 + lsb * math.floor((reference + 1.0) / lsb + 0.5), 1.0 - lsb)
 
 
 @kernel

@@ -17,6 +17,7 @@ from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurem
 from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap
 from controller.grid import NS, last_due
 from twin.circuit.block import block_of, compiled
+from twin.sensors import put_out
 from twin.topology import CHANNELS, OBSERVED, PRESSURES
 
 
@@ -38,6 +39,7 @@ class PlantSide:
         self._acquisition = Acquisition(scenario)
         self._observed = np.zeros(len(OBSERVED))
         self._lines = LineProfiles(run_id, self._circuit)
+        self._reference = SAFE  # that acts on the spool
         self._run(SAFE, 0)
         self.measurement: Any = None
 
@@ -91,7 +93,9 @@ class PlantSide:
         return self._drain()
 
     def _run(self, reference: float, steps: int) -> None:
-        self._block(self._state, reference, steps, self._acquisition.taps, self._observed)
+        daq = self.scenario.daq
+        self._reference = put_out(reference, daq.output_bits) if daq.quantise_output else reference
+        self._block(self._state, self._reference, steps, self._acquisition.taps, self._observed)
 
     def _count(self, topic: str) -> int:
         sequence = self.published.get(topic, 0)
@@ -123,7 +127,7 @@ class PlantSide:
     def _true_state(self) -> Outgoing:
         sequence = self._count("state")
         # in the order of OBSERVED, of which the message is made; keywords would take longer than the whole card
-        head = self.run_id, sequence, self.tick_number, self.now, self.inlet.value
+        head = self.run_id, sequence, self.tick_number, self.now, self._reference
         state = PlantState(*head, *self._observed.tolist())
         return Outgoing("state", self.now, sequence, state)
 

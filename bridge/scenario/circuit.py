@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from bridge.errors import ScenarioError
 from bridge.scenario.model import Scenario
 from twin.circuit.build import build
-from twin.circuit.equilibrium import equilibrium
+from twin.circuit.equilibrium import SupplyAtRest, equilibrium, supply_at_rest
 from twin.circuit.state import flatten
 from twin.circuit.step import Circuit
 from twin.compiled_code import Files
@@ -43,6 +43,14 @@ def rest_of(scenario: Scenario) -> NDArray[np.float64]:
     start = scenario.start
     try:
         return _rest(_plain(scenario.rig_values()), scenario.loop.step, start.position, start.p_upper).copy()
+    except ValueError as error:
+        raise ScenarioError(f"{scenario.name}: {error}") from None
+
+
+def supply_of(scenario: Scenario) -> SupplyAtRest:
+    """Where pump, relief valve and the valve at rest balance. Raises ScenarioError where they do not."""
+    try:
+        return supply_at_rest(circuit_of(scenario))
     except ValueError as error:
         raise ScenarioError(f"{scenario.name}: {error}") from None
 

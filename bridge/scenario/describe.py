@@ -3,10 +3,10 @@
 import math
 from typing import Any, NamedTuple
 
-from bridge.scenario.circuit import circuit_of
+from bridge.scenario.circuit import circuit_of, rest_of, supply_of
 from bridge.scenario.model import Scenario
 from bridge.scenario.units import SHOWN, UNITS
-from twin.circuit.equilibrium import supply_at_rest
+from twin.circuit.equilibrium import SupplyAtRest
 from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.step import Circuit
 from twin.relief.poppet import cracking_pressure
@@ -68,18 +68,22 @@ def _with_unit(value: float, unit: str, name: str) -> str:
 
 
 def facts(scenario: Scenario) -> list[Fact]:
-    """What the circuit's own equations say of it: each from the place where the step takes it."""
+    """What the circuit's own equations say of it: each from the place where the step takes it.
+
+    Raises ScenarioError where its numbers make no circuit, or none that can be at rest.
+    """
     circuit = circuit_of(scenario)
+    rest_of(scenario)
     oil = circuit.parts.oil
     found = [Fact("oil: viscosity, bulk modulus", f"{oil.viscosity * 1e6:.4g} mm^2/s, {oil.bulk_modulus:.4g} Pa")]
-    found += _supply_facts(circuit)
+    found += _supply_facts(circuit, supply_of(scenario))
     if circuit.parts.fitted.relief:
         found += _relief_facts(circuit)
     return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario)]
 
 
-def _supply_facts(circuit: Circuit) -> list[Fact]:
-    pump, supply = circuit.parts.pump, supply_at_rest(circuit)
+def _supply_facts(circuit: Circuit, supply: SupplyAtRest) -> list[Fact]:
+    pump = circuit.parts.pump
     teeth = [Fact("pump: frequency of the teeth", f"{pump.tooth_frequency:.4g} Hz")] if pump.ripple > 0.0 else []
     at_rest = f"p1 = {supply.tee / 1e5:.4g} bar, {supply.relieved * 6e4:.4g} l/min over the relief valve"
     return [
@@ -126,8 +130,9 @@ def step_rows(scenario: Scenario) -> list[tuple[str, str, str, str]]:
 
 
 def warnings(scenario: Scenario) -> list[str]:
-    """A sentence for each part that the scenario's step is too coarse for."""
+    """A sentence for each part that the scenario's step is too coarse for. Raises ScenarioError as `facts`."""
     circuit = circuit_of(scenario)
+    rest_of(scenario)
     step = scenario.loop.step
     return [
         f"loop.step {step * 1e6:g} us is too coarse for {limit.part} ({limit.what}, {limit.time * 1e3:.3g} ms): "

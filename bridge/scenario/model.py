@@ -22,6 +22,8 @@ from controller.grid import NS, Sampling, sampling
 from twin.rig import RIG, Choice, Entry, values
 from twin.topology import CHANNELS
 
+SKEW = 5e-6  # [s], 2.2.2
+
 
 class Start(Part):
     """Where the piston waits, at rest with the valve shut."""
@@ -57,10 +59,14 @@ class Daq(Part):
     velocity_range: Speed = Field(default=1.0, gt=0.0, description="+- this, tachometer, assumed")
     pressure_range: Pressure = Field(default=250e5, gt=0.0, description="0 to this, assumed")
     noise: float = Field(default=0.5, ge=0.0, description="LSB rms, assumed; 0 for none")
-    skew: Seconds = Field(default=5e-6, ge=0.0, description="from channel to channel, 2.2.2; 0 for none")
+    skew: Seconds = Field(default=SKEW, ge=0.0, description="from channel to channel, 2.2.2; 0 for none")
     quantise: bool = True
     clip: bool = True
     tachometer: bool = True
+    output_bits: float = Field(
+        default=12.0, ge=1.0, le=32.0, description="2.2.2; 0 to 10 V, assumed to span the valve's whole input"
+    )
+    quantise_output: bool = False
 
 
 class RealTime(Part):
@@ -131,10 +137,8 @@ class Scenario(Part):
             raise ValueError(
                 f"start.position {self.start.position} m lies outside the stroke, 0 to {self.rig.cylinder.stroke} m"
             )
-        if self.daq.skew * (gaps := len(CHANNELS) - 1) > self.loop.step:
-            raise ValueError(
-                f"daq.skew {self.daq.skew} s: a scan must fit in a step, at most {self.loop.step / gaps} s"
-            )
+        if self.daq.skew > (most := max(SKEW, self.loop.step / (len(CHANNELS) - 1))):
+            raise ValueError(f"daq.skew {self.daq.skew:g} s: at most {most:g} s, so that a scan ends within a step")
         self.controller.refuse_period(self.loop.sample_period)
         if self.controller.needs_tachometer and not self.daq.tachometer:
             raise ValueError(

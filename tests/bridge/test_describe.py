@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from bridge.scenario import load, names
+from bridge.scenario import ScenarioError, load, names
 from bridge.scenario.describe import (
     PICTURE,
     facts,
@@ -77,6 +77,23 @@ def test_every_built_in_scenario_can_be_described(name):
     scenario = load(name)
     assert facts(scenario)
     assert step_rows(scenario)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (["rig.load.force=5000"], "load.force 5000 N lifts the load off the oil"),
+        (["rig.relief.kind=none", "rig.pump.efficiency=1"], "the pump flow has no outlet"),
+    ],
+)
+def test_a_rig_without_a_state_of_rest_is_refused_in_one_line(changes, said):
+    """By what describes it, and by what every run asks before it starts anything."""
+    scenario = load("hold-load", changes)
+    for ask in (facts, warnings):
+        with pytest.raises(ScenarioError) as error:
+            ask(scenario)
+        assert len(str(error.value).splitlines()) == 1
+        assert str(error.value).startswith(f"hold-load: {said}")
 
 
 def test_a_step_too_coarse_is_marked_and_warned_of_with_both_numbers():

@@ -95,6 +95,16 @@ def test_numbers_that_make_no_circuit_are_refused_where_one_is_needed(changes, s
     assert said in lines[0]
 
 
+@pytest.mark.parametrize("step", ["1 us", "5 us", "12.5 us"])
+def test_the_cards_own_skew_fits_every_step(step):
+    assert load("step", [f"loop.step='{step}'"]).daq.skew == 5e-6
+
+
+def test_a_longer_skew_must_fit_in_a_step():
+    with pytest.raises(ScenarioError, match=r"daq\.skew 2e-05 s: at most 1\.25e-05 s"):
+        load("step", ["daq.skew='20 us'"])
+
+
 def test_an_unknown_scenario_names_its_neighbour():
     with pytest.raises(ScenarioError, match="did you mean 'step'"):
         load("stp")

@@ -69,10 +69,10 @@ def test_through_a_tandem_centre_the_pump_idles_to_the_tank():
 
 
 def test_without_a_relief_valve_the_leakage_takes_it_all():
-    """p = Q/k = 35 bar/(1 - 0.875); a tight pump has nowhere to go."""
+    """p = Q/k = 35 bar/(1 - 0.875); a tight pump has no outlet."""
     c = circuit(relief={"kind": "none"})
     assert supply_at_rest(c).tee / BAR == pytest.approx(35.0 / 0.125, rel=1e-9)
-    with pytest.raises(ValueError, match="nowhere to go"):
+    with pytest.raises(ValueError, match="no outlet"):
         supply_at_rest(circuit(relief={"kind": "none"}, pump={"efficiency": 1.0}))
 
 
@@ -110,5 +110,9 @@ def test_start_outside_the_stroke_is_refused(position: float):
 
 
 def test_load_that_needs_a_vacuum_is_refused():
-    with pytest.raises(ValueError, match="lifts the load off the oil"):
+    """At the force that it names the lower chamber is at the vapour pressure, and no further."""
+    with pytest.raises(ValueError, match="lifts the load off the oil") as error:
         equilibrium(circuit(load={"force": 3e3}), 0.1)
+    most = 120.0 * 9.81 + 1e5 * math.pi / 4.0 * (0.05**2 - 0.032**2)
+    assert f"take at most {most:.4g} N" in str(error.value)
+    assert pressures(equilibrium(circuit(load={"force": most - 1e-3}), 0.1)).lower == pytest.approx(-1 * BAR, rel=1e-5)

@@ -17,7 +17,7 @@ EDGE = Orifice(0.61, 9.33)
 AREA = st.floats(0.0, 1.0).map(lambda share: 0.0 if share < 0.1 else 5e-5 * share**3)
 FREE = st.floats(-50 * BAR, 200 * BAR)
 Z = st.floats(1e9, 2e10)
-VALVE = SwitchingValve(1.0 / 30e-3, 5e-5, EDGE)
+VALVE = SwitchingValve(1.0 / 30e-3, 1.0 / 20e-3, 0.0, 1.0, 5e-5, EDGE)
 
 
 def drops(q: Lands, ports: Ports) -> dict[str, float]:
@@ -64,6 +64,29 @@ def test_the_magnets_know_three_positions_and_need_the_switching_time(reference:
         assert steps < 1000
     assert steps * h == pytest.approx(30e-3 if end else 0.0, abs=h)
     assert switch_spool(s, reference, VALVE, h) == (end, 0.0)
+
+
+def test_springs_bring_the_spool_back_in_their_own_time():
+    """From a magnet's end to the middle in 20 ms, from one end to the other in 20 + 30 ms."""
+    for reference, seconds in ((0.0, 20e-3), (-1.0, 50e-3)):
+        s, steps = 1.0, 0
+        while abs(s - reference) > 1e-12:
+            s, _ = switch_spool(s, reference, VALVE, 1e-4)
+            steps += 1
+        assert steps * 1e-4 == pytest.approx(seconds, abs=2e-4)
+
+
+@pytest.mark.parametrize(("opens", "shuts", "between"), [(0.3, 0.8, "both"), (0.6, 0.4, "none")])
+def test_lands_that_overlap_meet_and_others_leave_the_pump_alone(opens: float, shuts: float, between: str):
+    """Of three ways from P, at half of the travel: to the cylinder and to T, or to none."""
+    valve = VALVE._replace(opens=opens, shuts=shuts)
+    half = tandem_lands(0.5, valve)
+    assert (half.p_a > 0.0) == (half.p_t > 0.0) == (between == "both")
+    for s in (opens, -opens):
+        assert max(tandem_lands(s, valve)[:4]) == pytest.approx(0.0, abs=1e-12)
+    assert tandem_lands(1.0, valve) == pytest.approx(Lands(valve.area, valve.area, 0.0, 0.0, 0.0))
+    assert tandem_lands(shuts, valve).p_t == 0.0
+    assert tandem_lands(0.0, valve) == Lands(0.0, 0.0, 0.0, 0.0, valve.area)
 
 
 def test_the_closed_centre_has_no_way_from_p_to_t():

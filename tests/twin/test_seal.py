@@ -10,7 +10,7 @@ from tests.support.plant import BAR, FRICTIONLESS, circuit
 from twin.integration import integrate
 from twin.seal import friction, friction_limit, slide
 
-SEAL = circuit().parts.seal
+SEAL = circuit(seal={"diameter": 82e-3, "downward": 1.0}).parts.seal  # a seal each on piston and rod, alike both ways
 STEP = 25e-6
 SPEED = st.floats(-1.0, 1.0)
 
@@ -28,7 +28,7 @@ def test_friction_is_the_power_law(z: float):
 def test_limit_is_a_quarter_of_the_sealing_force_and_met_without_a_jump():
     """0.25 p_w b pi (D + d): 1610 N at 25 bar, up to z = (0.25/alpha)^(1/beta)."""
     most = 0.25 * 25 * BAR * 0.01 * math.pi * 0.082
-    assert friction_limit(25 * BAR, SEAL) == pytest.approx(most, rel=1e-12)
+    assert friction_limit(1.0, 25 * BAR, SEAL) == pytest.approx(most, rel=1e-12)
     edge = (0.25 / 3.819e-6) ** (1.0 / -0.5373) * 25 * BAR * 0.01 / SEAL.viscosity
     assert friction(0.999 * edge, 25 * BAR, SEAL) == (pytest.approx(most, rel=1e-12), 0.0)
     assert friction(1.001 * edge, 25 * BAR, SEAL)[0] == pytest.approx(most * 1.001**-0.5373, rel=1e-9)
@@ -39,14 +39,28 @@ def test_slope_is_the_derivative_of_the_friction():
     assert friction(0.1, 25 * BAR, SEAL)[1] == pytest.approx((above - below) / 2e-6, rel=1e-6)
 
 
+@pytest.mark.parametrize("downward", [0.7, 1.3])
+def test_friction_downwards_is_a_share_of_that_upwards(downward: float):
+    """At every speed, at the limit, and for what starts to move: m dv/dt = drive - F."""
+    seal = SEAL._replace(downward=downward)
+    for speed in (1e-6, 1e-3, 0.1):
+        up, down = (friction(v, 25 * BAR, seal) for v in (speed, -speed))
+        assert up == friction(speed, 25 * BAR, SEAL)
+        assert down == pytest.approx([downward * value for value in up], rel=1e-12)
+    drive = -friction_limit(-1.0, 25 * BAR, seal)
+    assert drive == pytest.approx(-downward * friction_limit(1.0, 25 * BAR, seal), rel=1e-12)
+    assert slide(0.0, 0.999 * drive, 120.0, 25 * BAR, seal, STEP) == 0.0
+    assert slide(0.0, drive - 240.0, 120.0, 25 * BAR, seal, STEP) == pytest.approx(-STEP * 2.0, rel=1e-9)
+
+
 @given(st.floats(-1.0, 1.0), st.floats(1.0, 400.0))
 def test_inside_the_limit_a_mass_at_rest_stays_exactly_at_rest(share: float, bar: float):
-    assert slide(0.0, share * 0.999999 * friction_limit(bar * BAR, SEAL), 120.0, bar * BAR, SEAL, STEP) == 0.0
+    assert slide(0.0, share * 0.999999 * friction_limit(share, bar * BAR, SEAL), 120.0, bar * BAR, SEAL, STEP) == 0.0
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_beyond_the_limit_the_excess_accelerates(sign: float):
-    drive = sign * (friction_limit(25 * BAR, SEAL) + 240.0)
+    drive = sign * (friction_limit(sign, 25 * BAR, SEAL) + 240.0)
     assert slide(0.0, drive, 120.0, 25 * BAR, SEAL, STEP) == pytest.approx(sign * STEP * 2.0, rel=1e-9)
 
 
@@ -85,4 +99,4 @@ def test_a_sliding_mass_stops_for_good_when_and_where_the_plateau_says():
         v = slide(v, drive, 120.0, 25 * BAR, SEAL, 1e-7)
         t += 1e-7
         assert t < 0.01
-    assert t == pytest.approx(2e-4 * 120.0 / (friction_limit(25 * BAR, SEAL) - drive), abs=2e-7)
+    assert t == pytest.approx(2e-4 * 120.0 / (friction_limit(1.0, 25 * BAR, SEAL) - drive), abs=2e-7)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from twin.sensors import Card, acquire, card_of, convert, noise_block
+from twin.sensors import Card, acquire, card_of, convert, noise_block, put_out
 
 DAQ = SimpleNamespace(
     bits=12.0,
@@ -42,6 +42,29 @@ def test_channels_are_read_one_after_the_other():
     """Channel j of n is read (n-1-j) * 5 us before the end of the scan, by a straight line inside the last step."""
     read = scan(PERFECT._replace(skew=5e-6), before=[0.0] * 5, at=[1.0] * 5)
     assert read == pytest.approx(1.0 - np.array([20, 15, 10, 5, 0]) * 1e-6 / STEP)
+
+
+@pytest.mark.parametrize("step", [1e-6, 5e-6, 50e-6])
+def test_a_scan_may_be_longer_than_a_step(step: float):
+    """The last step's line goes on: a parabola u = a t^2 is read with an error of a d (d - h), d before its end."""
+    a, ends = 3e7, 1e-3
+    row = np.zeros(5)
+    taps = np.array([[a * (ends - step) ** 2] * 5, [a * ends**2] * 5])
+    acquire(taps, np.zeros(5), PERFECT._replace(skew=5e-6), step, row)
+    late = np.array([20, 15, 10, 5, 0]) * 1e-6
+    assert row - a * (ends - late) ** 2 == pytest.approx(-a * late * (late - step), rel=1e-6, abs=1e-12)
+    assert np.abs(row - a * (ends - late) ** 2).max() <= a * max((20e-6) ** 2, step**2 / 4)
+
+
+def test_twelve_bits_of_output_over_the_whole_input_of_the_valve():
+    """Steps of 20 V/4096; off by half of one at most, rest exact, the last step missing at the top."""
+    references = np.linspace(-1.0, 1.0, 5001)
+    out = np.array([put_out(r, 12.0) for r in references.tolist()])
+    codes = (out + 1.0) * 2048.0
+    assert (codes == np.round(codes)).all()
+    assert np.abs(out - references)[references <= 1.0 - 1.0 / 4096].max() <= 1.0 / 4096 * (1 + 1e-9)
+    assert put_out(0.0, 12.0) == 0.0
+    assert (put_out(-1.0, 12.0), put_out(1.0, 12.0)) == (-1.0, 1.0 - 2.0 / 4096)
 
 
 def test_without_a_tachometer_there_is_one_channel_less():

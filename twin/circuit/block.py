@@ -10,9 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.amplifier import amplify, is_amplified
 from twin.circuit.state import (
     ENDS_AT,
     MEMORY_AT,
+    SIGNALS_AT,
     State,
     ends_of,
     flatten,
@@ -26,7 +28,7 @@ from twin.cylinder import chamber_cavities
 from twin.kernel import INTERPRETED, entry, field_names, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
 from twin.load import carried_mass
-from twin.topology import CHAMBERS, CHANNELS, END_OF, ENDS, FLOWS, LINES, OBSERVED, PLACES, PORTS, cavity
+from twin.topology import CHAMBERS, CHANNELS, END_OF, ENDS, FLOWS, LINES, OBSERVED, PLACES, PORTS, TAPS, cavity
 
 HELD = {  # observed quantities that a flat state holds, and where
     "position": place_of("piston.position"),
@@ -50,6 +52,8 @@ def _seen(*names: str) -> NDArray[np.int64]:
 
 HELD_AT, HELD_SEEN = np.array(list(HELD.values())), _seen(*HELD)
 TAPPED = _seen(*(channel.reads for channel in CHANNELS.values()))
+TAP_ENDS = np.array([END_OF[place] for place in TAPS.values()])
+AMPLIFIED_AT = np.array([[*CHANNELS].index(name) for name in ("position", *TAPS)])
 ALL_HELD = all(channel.reads in HELD for channel in CHANNELS.values())
 PORT_ENDS, PORTS_SEEN = np.array([END_OF[place] for place in PORTS]), _seen(*map(cavity, PORTS))
 FLOWS_SEEN = _seen(*FLOWS)
@@ -115,6 +119,7 @@ def block_of(plant: Compiled) -> Block:
 def _run_block(parts, whole, numbers, state, reference: float, steps: int, taps, seen) -> None:
     """As `block_of` says; parts, whole, numbers: of `Compiled`."""
     c, lines, s, ends, memory = parts[0], unpacked(whole, numbers), load(state), ends_of(state), state[MEMORY_AT:]
+    signals = state[SIGNALS_AT:MEMORY_AT]
     for i in range(steps):
         if i == steps - 1:
             store(s, state)
@@ -122,17 +127,21 @@ def _run_block(parts, whole, numbers, state, reference: float, steps: int, taps,
                 _held(state, seen)
             else:
                 observe(state, s, ends, memory, c, lines, seen)
-            _tap(seen, taps[0])
+            _tap(seen, signals, c, taps[0])
         s = step_once(s, reference, c, lines, ends, memory)
+        amplify(c.amplifiers, s.piston.position, ends.pressure, TAP_ENDS, signals)
     store(s, state)
     observe(state, s, ends, memory, c, lines, seen)
-    _tap(seen, taps[1])
+    _tap(seen, signals, c, taps[1])
 
 
 @inlined
-def _tap(seen, row) -> None:
+def _tap(seen, signals, c: Parts, row) -> None:
     for j in range(len(TAPPED)):
         row[j] = seen[TAPPED[j]]
+    if is_amplified(c.amplifiers):
+        for j in range(len(AMPLIFIED_AT)):
+            row[AMPLIFIED_AT[j]] = signals[j]
 
 
 @inlined

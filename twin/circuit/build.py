@@ -1,9 +1,10 @@
 """From the numbers of a rig to its circuit, or one line that says why there is none."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from twin.amplifier import Amplifiers, Direct, lag
 from twin.circuit.limits import refuse_coarse_step
 from twin.circuit.step import Circuit, Fitted, Parts
 from twin.contact import Stops
@@ -11,6 +12,7 @@ from twin.cylinder import Cylinder
 from twin.fitting import Fitting
 from twin.lines.bank import LineSpec, bank_of
 from twin.load import Load, buffer_stiffness
+from twin.minor_losses import Losses, MinorLosses, NoLosses, loss_per_flow_squared
 from twin.oil import Oil, effective_modulus, fluid_modulus, kinematic_viscosity
 from twin.orifice import Orifice, area_for
 from twin.pump import Pump, displacement, ripple_volume
@@ -42,6 +44,8 @@ def build(rig: Values, step: float) -> Circuit:
         seal=_seal(rig["seal"], oil),
         stops=Stops(rig["cylinder"]["stroke"], rig["cylinder"]["restitution"], rig["cylinder"]["rest_speed"]),
         load=_load(rig["load"]),
+        losses=_losses(rig["minor_losses"], pipes, oil.density),
+        amplifiers=_amplifiers(rig["amplifier"], step),
         line_volume=sum(math.pi / 4.0 * pipe["diameter"] ** 2 * pipe["length"] for pipe in pipes),
     )
     lines = bank_of([_line(pipe, oil) for pipe in pipes], step, oil.vapour_pressure)
@@ -112,7 +116,8 @@ def _valve(valve: Entries, oil: Oil, step: float) -> SpoolValve:
 def _switching(valve: Entries, oil: Oil) -> SwitchingValve:
     orifice = Orifice(valve["discharge"], valve["transition"])
     area = area_for(valve["rated_flow"], valve["rated_drop"], orifice, oil)
-    return SwitchingValve(1.0 / valve["switching_time"], area, orifice)
+    speeds = 1.0 / valve["switching_time"], 1.0 / valve["return_time"]
+    return SwitchingValve(*speeds, valve["cylinder_opens"], valve["idle_shuts"], area, orifice)
 
 
 def _cylinder(cylinder: Entries, oil: Oil) -> Cylinder:
@@ -133,7 +138,23 @@ def _cylinder(cylinder: Entries, oil: Oil) -> Cylinder:
 
 def _seal(friction: Entries, oil: Oil) -> Seal:
     perimeter, viscosity = math.pi * friction["diameter"], oil.density * oil.viscosity
-    return seal(friction["alpha"], friction["beta"], friction["limit"], friction["width"], perimeter, viscosity)
+    law = friction["alpha"], friction["beta"], friction["limit"], friction["width"]
+    return seal(*law, perimeter, friction["downward"], viscosity)
+
+
+def _losses(losses: Entries, pipes: Sequence[Entries], density: float) -> Losses:
+    if losses["kind"] == "none":
+        return NoLosses()
+    zetas = [losses[name] for name in PIPES]
+    return MinorLosses(
+        *(0.5 * loss_per_flow_squared(z, pipe["diameter"], density) for z, pipe in zip(zetas, pipes, strict=True))
+    )
+
+
+def _amplifiers(amplifier: Entries, step: float) -> Amplifiers | Direct:
+    if amplifier["kind"] == "none":
+        return Direct()
+    return Amplifiers(lag(amplifier["position"], step), lag(amplifier["pressure"], step))
 
 
 def _load(load: Entries) -> Load:

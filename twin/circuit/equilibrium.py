@@ -21,12 +21,13 @@ from twin.cylinder import Chambers, stored_oil
 from twin.fitting import fitting_resistance
 from twin.lines.bank import memory_size, oncoming, settle, steady_drop
 from twin.load import carried_mass, weight_at
+from twin.minor_losses import loss_at_end, minor_drop, resist
 from twin.orifice import resistance
 from twin.port import joined
 from twin.pump import pumped_oil, speed_ratio
 from twin.relief.motion import begin
 from twin.relief.steady import rest, steady_flow
-from twin.topology import ENDS, LINES, PLACES
+from twin.topology import ENDS, LINES, PLACES, TAPS
 
 TIGHT = 1e-14  # [m^3/s]
 HIGHEST = 1e10  # [Pa]
@@ -47,7 +48,7 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
     def at(tee: float) -> tuple[SupplyAtRest, float]:
         relieved = steady_flow(tee, circuit.parts.relief) if circuit.parts.fitted.relief else 0.0
         idle = idle_flow(tee, circuit)
-        pump = tee + steady_drop(circuit.lines, 0, relieved + idle)
+        pump = tee + _line_drop(0, relieved + idle, circuit)
         delivered = pumped_oil(pump, ratio, circuit.parts.pump, circuit.parts.oil.bulk_modulus)[0]
         return SupplyAtRest(pump, tee, relieved, idle), delivered - relieved - idle
 
@@ -58,7 +59,7 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
         high *= 2.0
         if high > HIGHEST:
             raise ValueError(
-                "the pump has nowhere to go: no relief valve, a shut valve and no leakage; "
+                "the pump flow has no outlet: no relief valve, a shut valve and no leakage; "
                 "take relief.kind = 'two-stage', a tandem centre or pump.efficiency below 1"
             )
     return at(_root(lambda tee: at(tee)[1], high, 1e-6))[0]
@@ -88,10 +89,15 @@ def _root(function: Callable[[float], float], high: float, tolerance: float) -> 
 
 def _idle_drops(flow: float, area: float, circuit: Circuit) -> tuple[float, float, float, float]:
     """Pressure drops [Pa] from the tee to P, over the land P-T, of line 5 and of line 6."""
-    parts, lines = circuit.parts, circuit.lines
+    parts = circuit.parts
     a, b = resistance(area, parts.switching.orifice, parts.oil)
-    to_p = fitting_resistance(flow, parts.fitting) * flow + steady_drop(lines, 1, flow)
-    return to_p, (a * abs(flow) + b) * flow, steady_drop(lines, 4, flow), steady_drop(lines, 5, flow)
+    to_p = fitting_resistance(flow, parts.fitting) * flow + _line_drop(1, flow, circuit)
+    return to_p, (a * abs(flow) + b) * flow, _line_drop(4, flow, circuit), _line_drop(5, flow, circuit)
+
+
+def _line_drop(line: int, flow: float, circuit: Circuit) -> float:
+    """Pressure drop [Pa] of a line at a steady flow [m^3/s], with what sits at its ends but for the fittings."""
+    return steady_drop(circuit.lines, line, flow) + minor_drop(circuit.parts.losses, line, flow)
 
 
 def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> State:
@@ -101,13 +107,17 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
     mean of its flow would make. Raises ValueError outside the stroke, or for a load that would need a lower chamber
     below the vapour pressure.
     """
-    cylinder, load = circuit.parts.cylinder, circuit.parts.load
+    cylinder, load, vapour = circuit.parts.cylinder, circuit.parts.load, circuit.parts.oil.vapour_pressure
     if not 0.0 <= position <= cylinder.stroke:
         raise ValueError(f"start position {position} m lies outside the stroke, 0 to {cylinder.stroke} m")
     weight = carried_mass(weight_at(position, load), load) * load.gravity - load.force
     p_lower = (weight + cylinder.area_upper * p_upper) / cylinder.area_lower
-    if p_lower < circuit.parts.oil.vapour_pressure:
-        raise ValueError(f"load.force {load.force} N lifts the load off the oil: p_lower would be {p_lower} Pa")
+    if p_lower < vapour:
+        most = load.force + weight + cylinder.area_upper * p_upper - cylinder.area_lower * vapour
+        raise ValueError(
+            f"load.force {load.force:g} N lifts the load off the oil, the lower chamber would be at {p_lower:.4g} Pa, "
+            f"below the vapour pressure; take at most {most:.4g} N"
+        )
     supply = supply_at_rest(circuit, speed_ratio(0.0, circuit.parts.pump))
     p, t, back = supply.tee, 0.0, 0.0
     if supply.idle > 0.0:
@@ -125,11 +135,15 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     pressure = np.array([at.get(end, 0.0) for end in ENDS])
     pressure[TEE_2] -= fitting_resistance(q.line_2, parts.fitting) * q.line_2
     memory, through = np.zeros(memory_size(lines)), np.array(q)
-    settle(lines, memory, pressure, through)
     flow = np.repeat(through, 2) * np.tile([1.0, -1.0], LINES)
+    lost = np.repeat([loss_at_end(parts.losses, line) for line in range(LINES)], 2)
+    inner = pressure - lost * np.abs(flow) * flow
+    settle(lines, memory, inner, through)
     cavity, free, impedance = np.zeros((3, len(ENDS)))
-    ends = Ends(pressure, flow, cavity, free, impedance, _line_oil(pressure, circuit))
-    return _with_tee(State(_core(p, q.line_1 - q.line_2, piston, spool, circuit), ends, memory), circuit)
+    ends = Ends(pressure, flow, cavity, free, impedance, _line_oil(inner, circuit))
+    signals = np.tile([piston.position, *(at[place] for place in TAPS.values())], 2)
+    core = _core(p, q.line_1 - q.line_2, piston, spool, circuit)
+    return _with_tee(State(core, ends, signals, memory), circuit)
 
 
 def _line_oil(pressure: np.ndarray, circuit: Circuit) -> np.ndarray:
@@ -148,6 +162,7 @@ def _with_tee(state: State, circuit: Circuit) -> State:
     """What the relief valve has met: the port of the tee at this instant."""
     free, impedance = np.zeros((2, len(ENDS)))
     oncoming(circuit.lines, state.memory.copy(), 1, free, impedance)
+    resist(circuit.parts.losses, state.ends.flow, impedance)
     series = fitting_resistance(state.ends.flow[TEE_2], circuit.parts.fitting)
     port = joined(free[TEE_1], impedance[TEE_1], free[TEE_2], impedance[TEE_2] + series)
     return state.with_core(tee=port.free)

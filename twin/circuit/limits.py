@@ -42,7 +42,7 @@ def limits(circuit: Circuit) -> list[Limit]:
 
 def _valve(circuit: Circuit) -> Limit:
     if circuit.parts.fitted.switching == 1.0:
-        time = 1.0 / circuit.parts.switching.speed
+        time = 1.0 / max(circuit.parts.switching.speed, circuit.parts.switching.return_speed)
         return Limit("switching_valve", "switching time", time, 0.5 * time)
     time = 1.0 / circuit.parts.valve.natural_frequency
     return Limit("valve", "spool", time, FOLLOWED * time)

@@ -42,6 +42,7 @@ from twin.circuit.state import (
 from twin.circuit.step import Circuit, Piston, Spool
 from twin.fitting import fitting_slope
 from twin.lines.bank import steady_slope as line_slope
+from twin.minor_losses import loss_at_end
 from twin.orifice import flow_slopes
 from twin.pump import pumped_oil
 from twin.relief.steady import steady_slope as relief_slope
@@ -178,6 +179,7 @@ def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0)
     for line, (source, sink) in enumerate(LINE_ENDS):
         q = float(y[FLOW + line])
         a[FLOW + line, FLOW + line] = -line_slope(lines, line, q) - (fitting_slope(q, c.fitting) if line == 1 else 0.0)
+        a[FLOW + line, FLOW + line] -= 4.0 * loss_at_end(c.losses, line) * abs(q)
         a[FLOW + line, source] = 1.0
         if sink >= 0:
             a[FLOW + line, sink] = -1.0

@@ -16,6 +16,7 @@ from twin.cylinder import chamber_volumes
 from twin.fitting import fitting_resistance
 from twin.kernel import inlined, kernel
 from twin.lines.bank import steady_drop, unpacked
+from twin.minor_losses import minor_drop
 from twin.orifice import flow
 from twin.pump import pumped_oil
 from twin.relief.steady import steady_flow
@@ -61,6 +62,7 @@ def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> No
             drop -= y[second]
         if line == 1:
             drop -= fitting_resistance(y[FLOW + 1], c.fitting) * y[FLOW + 1]
+        drop -= minor_drop(c.losses, line, y[FLOW + line])
         out[FLOW + line] = (drop - steady_drop(lines, line, y[FLOW + line])) / lines.inertance[line]
     b, cylinder = c.oil.bulk_modulus, c.cylinder
     out[LOWER] -= cylinder.area_lower * (1.0 + y[LOWER] / b) * y[V]

@@ -1,6 +1,6 @@
 """The state of a circuit, as its parts and as one flat array of numbers, which is what the kernels run on.
 
-core | pressure | flow | cavity | free | impedance (12 each) | oil of the lines (6) | memory of the lines
+core | pressure | flow | cavity | free | impedance (12 each) | oil of the lines (6) | signals | memory of the lines
 """
 
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from twin.cylinder import Chambers
 from twin.kernel import inlined
 from twin.load import Weight
 from twin.relief.motion import Motion, ReliefState
-from twin.topology import END_OF, ENDS, LINES
+from twin.topology import END_OF, ENDS, LINES, TAPS
 
 
 def _names(kind: type, prefix: str = "") -> Iterator[str]:
@@ -26,7 +26,9 @@ def _names(kind: type, prefix: str = "") -> Iterator[str]:
 CORE = tuple(_names(Core))
 ENDS_AT = len(CORE)
 LINES_AT = ENDS_AT + 5 * len(ENDS)
-MEMORY_AT = LINES_AT + LINES
+SIGNALS_AT = LINES_AT + LINES
+SIGNALS = 1 + len(TAPS)  # behind amplifiers: the position and the pressures at the taps
+MEMORY_AT = SIGNALS_AT + 2 * SIGNALS
 
 
 def place_of(name: str) -> int:
@@ -64,7 +66,8 @@ class State(NamedTuple):
 
     core: Core
     ends: Ends
-    memory: NDArray[np.float64]
+    signals: NDArray[np.float64]  # of the amplifiers: outputs, then inputs
+    memory: NDArray[np.float64]  # of the lines
 
     @property
     def piston(self) -> Piston:
@@ -101,7 +104,7 @@ def oil_in(state: State) -> float:
 
 def flatten(state: State) -> NDArray[np.float64]:
     """A state as an array of its numbers, in order."""
-    return np.concatenate([list(_numbers(state.core)), *state.ends, state.memory])
+    return np.concatenate([list(_numbers(state.core)), *state.ends, state.signals, state.memory])
 
 
 def _numbers(part: Any) -> Iterator[float]:
@@ -115,8 +118,8 @@ def _numbers(part: Any) -> Iterator[float]:
 def unflatten(array: NDArray[np.float64]) -> State:
     """The state back from its numbers; a copy."""
     kept = array.copy()
-    ends = [*kept[ENDS_AT:LINES_AT].reshape(-1, len(ENDS)), kept[LINES_AT:MEMORY_AT]]
-    return State(load(kept), Ends._make(ends), kept[MEMORY_AT:])
+    ends = [*kept[ENDS_AT:LINES_AT].reshape(-1, len(ENDS)), kept[LINES_AT:SIGNALS_AT]]
+    return State(load(kept), Ends._make(ends), kept[SIGNALS_AT:MEMORY_AT], kept[MEMORY_AT:])
 
 
 @inlined
@@ -160,5 +163,5 @@ def ends_of(a) -> Ends:
         a[e + 2 * n : e + 3 * n],
         a[e + 3 * n : e + 4 * n],
         a[e + 4 * n : e + 5 * n],
-        a[LINES_AT:MEMORY_AT],
+        a[LINES_AT:SIGNALS_AT],
     )

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from numpy.typing import NDArray
 
+from twin.amplifier import Amplifiers, Direct
 from twin.contact import Stops, held, travel
 from twin.cylinder import Chambers, Cylinder, drive, fill_chambers
 from twin.fitting import Fitting, fitting_resistance
@@ -22,6 +23,7 @@ from twin.kernel import inlined
 from twin.lands import Lands, Ports, land_flows
 from twin.lines.bank import Bank, leave, oncoming
 from twin.load import Load, Weight, carried_mass, contact_force, kick_weight, move_weight, pick_up
+from twin.minor_losses import Losses, resist
 from twin.oil import Oil
 from twin.port import Port, cavity, joined, pressure, with_cavity
 from twin.pump import Pump, pumped_oil, ripple_flow, speed_ratio
@@ -57,6 +59,8 @@ class Parts(NamedTuple):
     seal: Seal
     stops: Stops
     load: Load
+    losses: Losses  # at the ends of the lines
+    amplifiers: Amplifiers | Direct  # before the card
     line_volume: float  # of all lines [m^3]
 
 
@@ -233,8 +237,9 @@ def seal_force(s: Core, ends: Ends, parts: Parts) -> float:
     sealing, v = abs(p.lower - p.upper), s.piston.velocity
     if v != 0.0:
         return -math.copysign(friction(v, sealing, parts.seal)[0], v)
-    load, most = parts.load, friction_limit(sealing, parts.seal)
+    load = parts.load
     push = drive(p, parts.cylinder) - carried_mass(s.weight, load) * load.gravity + load.force
+    most = friction_limit(push, sealing, parts.seal)
     return min(max(-push, -most), most)
 
 
@@ -276,6 +281,7 @@ def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, m
     piston, weight = move_piston(piston, weight, parts)
     spool = move_valve(s.spool, reference, parts)
     oncoming(bank, memory, int(tick), ends.free, ends.impedance)
+    resist(parts.losses, ends.flow, ends.impedance)
     pumped = pump_side(tick, ends, parts)
     relief, tee = relief_side(s.relief, s.tee, ends, parts)
     valve_side(spool.position, ends, parts)

@@ -39,7 +39,7 @@ AWAY: dict[str, Mapping[str, Any]] = {
     "relief": {"rig.relief.kind": "none"},
     "leak": {"rig.cylinder.leakage_resistance": math.inf},
     "waves": {f"rig.{pipe}.model": "lumped" for pipe in PIPES},
-    "card": {"daq.noise": 0.0, "daq.quantise": False, "daq.skew": 0.0},
+    "card": {"daq.noise": 0.0, "daq.quantise": False, "daq.skew": 0.0, "daq.quantise_output": False},
 }
 CAUSES = tuple(AWAY)
 DEAD_BAND = "dead band"  # the overlap, and nobody jumps it
