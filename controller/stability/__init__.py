@@ -6,9 +6,9 @@ delay and the derivatives of `controller.law`. `plant_of` (a control.StateSpace,
 `linear_actuator`; `movable` takes out rests that no loop can move. `multipliers`, `stable_count`, `is_stable`,
 `dominant`, `loop_onset` (gain, kind and frequency), `gain_margin`, `derivative_range`, `delay_margin` judge a loop,
 `margins` in all of these ways; `suggested_gain` keeps a distance at several points. `curves`: closed forms. `chart`:
-counts of stable multipliers on grids, compiled. `analogue`, `relay`, `slow_fast`: the loop without sampling. `birth`,
-`limit_cycle`, `continuation`, `floquet`: its periodic orbits, from their birth through folds, and what they do to
-their neighbours; their arcs are compiled in `arc`.
+counts of stable multipliers on grids, compiled. `relay_cycle`: the swing of a sampled relay. `analogue`, `relay`,
+`slow_fast`: the loop without sampling. `birth`, `limit_cycle`, `continuation`, `floquet`: its periodic orbits, from
+their birth through folds, and what they do to their neighbours; their arcs are compiled in `arc`.
 """
 
 from controller.stability.crossing import Onset, is_stable, multipliers, stable_count
