@@ -45,7 +45,7 @@ def oscillation(time: Array, error: Array, floor: float = NOISE_FLOOR) -> Swing 
     _, middle, last = np.array_split(error, 3)
     before, e = about_trend(middle), about_trend(last)
     swing = min(float(np.ptp(e)), float(np.ptp(about_line(last))))  # cosines bend at the ends, a line does not
-    if swing <= floor or not _goes_on(last, before, e, floor) or dies_away(before, e):
+    if swing <= floor or not _goes_on(middle, last, before, e, floor) or dies_away(before, e):
         return STILL
     step = float(time[-1] - time[0]) / (error.size - 1)
     return Swing(0.5 * swing, frequency(e, step))
@@ -65,11 +65,13 @@ def about_line(error: Array) -> Array:
     return error - x * (np.dot(window * x, error) / np.dot(window * x, x))
 
 
-def _goes_on(last: Array, before: Array, e: Array, floor: float) -> bool:
-    """Do rises and falls follow each other, of the error itself too? A slow swing needs the middle third as well."""
+def _goes_on(middle: Array, last: Array, before: Array, e: Array, floor: float) -> bool:
+    """Do rises and falls follow each other, of the error itself too? Slow or rare ones need the middle third too."""
+    if turning_points(last, floor).size < 2:
+        return False
     turns = turning_points(e, floor).size
-    enough = turns >= TURNS or (turns == TURNS - 1 and turning_points(before, floor).size >= TURNS - 1)
-    return enough and turning_points(last, floor).size >= 2
+    slow = turns == TURNS - 1 and turning_points(before, floor).size >= TURNS - 1
+    return turns >= TURNS or slow or turning_points(middle, floor).size >= 2
 
 
 def turning_points(e: Array, floor: float) -> npt.NDArray[np.intp]:

@@ -203,7 +203,9 @@ def test_what_is_no_limit_cycle(error: Array):
     assert (metrics.limit_cycle_amplitude, metrics.limit_cycle_frequency) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize("times", [[20, 23, 26, 82, 95, 96, 101, 118], [81, 92, 95, 111]], ids=["burst", "late"])
+@pytest.mark.parametrize(
+    "times", [[20, 23, 26, 82, 95, 96, 101, 118], [81, 92, 95, 111], [50, 110]], ids=["burst", "late", "rare"]
+)
 def test_irregular_jumps_to_and_fro_are_a_limit_cycle(times: list[int]):
     assert held(1e-3 * np.isin(np.floor(10.0 * TIME), times)).limit_cycle_amplitude == pytest.approx(0.5e-3, rel=0.3)
 
