@@ -31,7 +31,8 @@ def tracking(time: Array, reference: Array, position: Array, frequency: float = 
     if moves.size < LEAST_MOVING:
         return NOTHING
     if frequency == frequency:
-        return _of_sine(time[moves[0] :], reference[moves[0] :], position[moves[0] :], frequency)
+        since = slice(moves[0] - 1, None)
+        return _of_sine(time[since], reference[since], position[since], frequency)
     return NOTHING._replace(time_lag=_of_motion(time, reference, position, moves))
 
 

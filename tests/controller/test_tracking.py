@@ -50,5 +50,9 @@ def test_steps_and_holds_are_not_tracked(reference: np.ndarray):
     assert all(map(math.isnan, tracking(TIME, reference, np.zeros(TIME.size))))
 
 
+def test_two_periods_suffice():
+    assert tracking(TIME[:3001], sine(1.0)[:3001], sine(1.0, 0.3)[:3001], 1.0).phase_lag == pytest.approx(0.3, abs=1e-6)
+
+
 def test_less_than_two_periods_are_not_measured():
     assert all(map(math.isnan, tracking(TIME[:2500], sine(1.0)[:2500], sine(1.0)[:2500], 1.0)))
