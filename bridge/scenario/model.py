@@ -66,7 +66,7 @@ class Daq(Part):
     output_bits: float = Field(
         default=12.0, ge=1.0, le=32.0, description="2.2.2; 0 to 10 V, assumed to span the valve's whole input"
     )
-    quantise_output: bool = False
+    quantise_output: bool = True
 
 
 class RealTime(Part):

@@ -35,9 +35,9 @@ def test_every_value_of_the_rig_is_there_once_with_its_source():
     [
         ("rig.load.mass='302 kg'", "load.mass", "302 kg", "120 kg"),
         ("rig.pump.speed='502 rpm'", "pump.speed", "502 rpm", "1230 rpm"),
-        ("rig.pipe_3.length='2.5 m'", "pipe_3.length", "2.5 m", "2 m"),
+        ("rig.pipe_3.length='2.5 m'", "pipe_3.length", "2.5 m", "2.05 m"),
         ("rig.pipe_3.model=nodes", "pipe_3.model", "nodes", "ends"),
-        ("rig.cylinder.leakage_resistance=inf", "cylinder.leakage_resistance", "inf Pa s/m^3", "173.333 bar/(l/min)"),
+        ("rig.cylinder.leakage_resistance=inf", "cylinder.leakage_resistance", "inf Pa s/m^3", "1733.33 bar/(l/min)"),
         ("rig.oil.temperature='60 degC'", "oil.temperature", "60 degC", "40.07 degC"),
     ],
 )
@@ -97,19 +97,19 @@ def test_a_rig_without_a_state_of_rest_is_refused_in_one_line(changes, said):
 
 
 def test_a_step_too_coarse_is_marked_and_warned_of_with_both_numbers():
-    """Pipe 1, 1 m: 0.88 ms, an eighth of it is 110 us."""
+    """Pipe 1, 1.25 m: 1.1 ms, an eighth of it is 137 us."""
     assert not warnings(load("step", ["loop.step='100 us'"]))
-    coarse = load("step", ["loop.step='125 us'"])
+    coarse = load("step", ["loop.step='200 us'"])
     said = [line for line in warnings(coarse) if "pipe_1" in line]
     assert len(said) == 1
-    for word in ("loop.step 125 us", "0.88 ms", "at most 110 us", "hydrotwin convergence"):
+    for word in ("loop.step 200 us", "1.1 ms", "at most 137 us", "hydrotwin convergence"):
         assert word in said[0]
     marked = [part for part, _, _, longest in step_rows(coarse) if longest.endswith("TOO COARSE")]
     assert marked == ["pipe_1"]
 
 
 def test_the_verb_prints_picture_values_facts_limits_and_warnings(tmp_path):
-    done = hydrotwin_here("describe", "load-change-502", "--set", "loop.step='125 us'", cwd=tmp_path)
+    done = hydrotwin_here("describe", "load-change-502", "--set", "loop.step='200 us'", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert PICTURE in done.stdout
     for word in ("load.added", "183 kg", "this scenario", "502 rpm", "Table 2.1", "TOO COARSE", "warning: loop.step"):

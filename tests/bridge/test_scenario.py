@@ -81,7 +81,7 @@ def test_a_mistake_gets_one_line_that_names_it(change, said):
         (["rig.load.mass=1"], "too light for the seal's friction"),
         (["rig.seal.limit=0", "rig.load.mass='5 g'"], "swings too fast on the oil"),
         (["rig.pipe_1.length='1 mm'"], "pipe_1, 0.001 m: travel time"),
-        (["rig.pipe_3.length='0.1 m'"], "take a smaller loop.step, a longer pipe or model lumped"),
+        (["rig.pipe_3.length='0.05 m'"], "take a smaller loop.step, a longer pipe or model lumped"),
         (["rig.cylinder.rod='60 mm'"], "must be thinner than cylinder.bore"),
     ],
 )

@@ -30,8 +30,9 @@ from twin.pump import pump_flow
 from twin.rig import values
 from twin.topology import ENDS
 
-WEIGHT_303 = 303.0 * 9.81 / (np.pi / 4.0 * (0.05**2 - 0.032**2))  # [Pa], (2.102)
-SWITCHED = 0.005 + 0.03  # [s], delay and travel of the switching valve
+LOWER = np.pi / 4.0 * (0.05**2 - 0.032**2)  # [m^2]
+WEIGHT_303 = 303.0 * 9.81 / LOWER  # [Pa], (2.102)
+SWITCHED = 0.005 + 0.05  # [s], delay and travel of the switching valve
 
 
 def between(time: np.ndarray, begin: float, end: float) -> np.ndarray:
@@ -84,12 +85,16 @@ def test_the_pump_is_heard_at_p1_alone_while_the_cylinder_is_shut_in(speed: int)
 
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_the_shut_in_load_rests_within_what_the_seals_hold_and_falls_by_the_leak(speed: int):
-    """A_l p_l = m g +- 0.25 p_w b pi (D + d): p_l - p_u between 14 and 50 bar; the thesis read 27 to 32, then less."""
-    run = experiment(speed)
-    shut = between(run.time, START + LIFT[speed] + 0.3, RESTART[speed])
-    across = run.p2[shut] - run.p3[shut]
-    assert 15 * BAR < across.min() < WEIGHT_303 < across.max() < 55 * BAR
-    assert (np.diff(across) < 0.0).mean() > 0.8  # a slip of the piston lifts it again
+    """A_l p_l = m g + F: F is at most 0.25 p_w b pi D upwards and 0.7 of it downwards, so p_l - p_u, p_u = 0, is within
+    21.5 and 35.4 bar; the thesis read 27 to 32 in the middle of the rest, then less."""
+    run, stop = experiment(speed), START + LIFT[speed]
+    across = run.p2 - run.p3
+    assert 27 * BAR < across[between(run.time, stop + 0.305, stop + 0.405)].mean() < 32 * BAR  # it still swings
+    held = across[between(run.time, stop + 0.7, RESTART[speed])]
+    hold = 0.25 * 0.01 * np.pi * 40.5e-3 / LOWER
+    assert WEIGHT_303 / (1.0 + 0.7 * hold) < held.min() < held.max() < WEIGHT_303 / (1.0 - hold)
+    assert (np.diff(held) < 0.0).mean() > 0.8  # a slip of the piston lifts it again
+    assert 27 * BAR < held[-1] < 30.5 * BAR
 
 
 def test_the_load_change_opens_the_relief_valve_and_it_shuts_again():
@@ -98,7 +103,7 @@ def test_the_load_change_opens_the_relief_valve_and_it_shuts_again():
     time, passing = figure.transient.time, figure.transient.relieved > 0.0
     _, start, contact, stop, _ = figure.bounds
     assert start == pytest.approx(0.976, abs=FINE)
-    assert contact == pytest.approx(1.08 + 0.03, abs=0.01)  # the thesis's valve opened at once, this one in 30 ms
+    assert contact == pytest.approx(1.08, abs=0.01)  # by the place of the start, which was chosen for it
     assert passing[between(time, contact, contact + 0.025)].any()
     assert not passing[between(time, contact + 0.05, figure.bounds[-1])].any()
     assert not passing[period(figure, "a, b")].any()
@@ -140,8 +145,9 @@ def test_p2_dips_when_the_valve_joins_it_to_the_idle_line():
     figure = impingement()
     course, start = figure.transient, figure.bounds[1]
     joined = between(course.time, start, start + SWITCHED)
-    assert course.p2[joined].min() < course.p2[period(figure, "a, b")].min() - 5 * BAR
-    assert 70 * BAR < course.p2[between(course.time, start, start + 0.1)].max() < 95 * BAR
+    dip = course.p2[period(figure, "a, b")].min() - course.p2[joined].min()
+    assert 0.5 * BAR < dip < 10 * BAR
+    assert 65 * BAR < course.p2[between(course.time, start, start + 0.1)].max() < 82 * BAR
 
 
 @pytest.mark.parametrize("table", [experiment_columns, lambda: excerpt_columns(load_change())])

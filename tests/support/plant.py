@@ -1,12 +1,18 @@
-"""What the tests of the plant share: circuits with some numbers changed, runs, and the energy of a state."""
+"""What the tests of the plant share: circuits with some numbers changed, runs, and the energy of a state.
+
+Laws are tested on a rig of numbers that stand still, those before the calibration, with every later effect off unless a
+test asks for it; what the calibrated rig does is tested by its facts (`tests/bridge/test_calibration.py`).
+"""
 
 import math
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.scenario import load
 from twin.circuit.block import advance, block_of, buffers, compiled
 from twin.circuit.build import build
 from twin.circuit.state import (
@@ -34,8 +40,15 @@ def pipes(**entries: str | float) -> dict[str, Any]:
 
 
 def circuit(step: float = 50e-6, **parts: Any) -> Circuit:
-    """The rig with some of its values replaced, e.g. load={"mass": 302.0}."""
-    return build(values(parts), step)
+    """The rig of the tests with some of its values replaced, e.g. load={"mass": 302.0}."""
+    replaced = {part: {**bench().get(part, {}), **parts.get(part, {})} for part in {**bench(), **parts}}
+    return build(values(replaced), step)
+
+
+@cache
+def bench() -> dict[str, dict[str, Any]]:
+    """All numbers of the rig of the tests."""
+    return load("assumed-rig").rig_values()
 
 
 def run(s: State, reference: float, c: Circuit, seconds: float) -> State:

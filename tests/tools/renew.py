@@ -26,8 +26,10 @@ class Golden(NamedTuple):
         return load(self.scenario, self.changes)
 
 
+SHORT = ["duration=2.5", 'loop.daq_period="5 ms"', "daq.noise=0.0"]
 GOLDEN = {
-    "step": Golden("step", ["duration=2.5", 'loop.daq_period="5 ms"', "daq.noise=0.0"]),
+    "step": Golden("step", SHORT),
+    "assumed-rig": Golden("assumed-rig", SHORT),
 }
 
 

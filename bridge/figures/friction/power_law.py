@@ -1,7 +1,8 @@
 """The friction test brought to one curve: g over z, and the power law found in it.
 
 Source: 2.3, (2.13), (2.14). F_f = g(z) p_w b pi (D + d), z = mu v/(p_w b), p_w = |p_l - p_u|; g = alpha |z|^beta by
-least squares on log |g| over log |z|, below the limit.
+least squares on log |g| over log |z|, below the limit. Downwards the force is `seal.downward` times that, so that both
+directions fall on one curve.
 """
 
 from typing import NamedTuple
@@ -26,7 +27,13 @@ class PowerLaw(NamedTuple):
 def factor(test: Readings, seal: Seal) -> tuple[Array, Array]:
     """z and g of the readings."""
     per_width = test.sealing * seal.width
-    return seal.viscosity * test.speed / per_width, test.force / (per_width * seal.perimeter)
+    g = test.force / (per_width * seal.perimeter * _share(test.speed, seal))
+    return seal.viscosity * test.speed / per_width, g
+
+
+def _share(speed: Array, seal: Seal) -> Array:
+    """Friction at speeds [m/s] over that upwards."""
+    return np.where(speed < 0.0, seal.downward, 1.0)
 
 
 def on_slope(test: Readings, seal: Seal) -> NDArray[np.bool_]:
@@ -53,4 +60,5 @@ def law_force(speed: Array, sealing: Array, seal: Seal) -> Array:
     """F_f [N] of the rig's own law at speeds [m/s] and sealing pressures [Pa]."""
     per_width = sealing * seal.width
     law = PowerLaw(seal.alpha, seal.beta)
-    return limited(seal.viscosity * speed / per_width, law, seal.limit) * per_width * seal.perimeter
+    g = limited(seal.viscosity * speed / per_width, law, seal.limit)
+    return g * per_width * seal.perimeter * _share(speed, seal)
