@@ -9,7 +9,7 @@ import sys
 
 from tests.support.warm import PARTS
 
-WORKERS = 2
+WORKERS = 3  # on two processors: tests of real processes wait most of their time
 PYTEST = ("-m", "pytest", "-q", "--durations=15")
 MARKED = "timed and not endurance"
 NOTHING_CHOSEN = 5  # pytest's exit code

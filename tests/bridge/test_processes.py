@@ -11,9 +11,11 @@ import zenoh
 
 from bridge.recording.reader import read
 from bridge.wire.bus import Bus
-from bridge.wire.codec import ValveCommand, encode
+from bridge.wire.codec import ValveCommand, decode, encode
 from bridge.wire.link import Link, free_endpoint
 from tests.support.processes import (
+    COARSE,
+    UNDRAWN,
     child,
     children,
     grown,
@@ -41,7 +43,7 @@ def events(path: Path, kind: str) -> list:
 def test_a_stopped_controller_in_real_time_leads_to_the_safe_state(path):
     """Within the timeout and one tick of simulated time, said in the recording; the run ends and names the silent."""
     timeout = ("--set", "loop.command_timeout=0.2")
-    with started("run", "square", "--duration", "6", *timeout, *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "square", "--duration", "6", *timeout, *LOOSE, "--record", str(path)) as run:
         controller = child(run.pid, "controller")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)
@@ -61,13 +63,13 @@ def test_a_stopped_controller_in_real_time_leads_to_the_safe_state(path):
 
 def test_a_stopped_controller_in_lockstep_is_named_with_the_tick(path):
     lockstep = ("--mode", "lockstep", "--patience", "2")
-    with started("run", "step", "--duration", "600", *lockstep, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "step", "--duration", "600", *lockstep, "--record", str(path)) as run:
         controller = child(run.pid, "controller")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)
         begin = time.monotonic()
         output, _ = run.communicate(timeout=40)
-    assert time.monotonic() - begin < 20.0
+    assert time.monotonic() - begin < 35.0  # 2 s of patience, and what a starved machine needs to end three processes
     assert run.returncode == 1
     assert "the controller has not answered the measurement of tick " in output
     assert "Traceback" not in output
@@ -78,7 +80,7 @@ def test_a_stopped_controller_in_lockstep_is_named_with_the_tick(path):
 
 
 def test_a_killed_controller_is_named_and_nothing_is_left(path):
-    with started("run", "step", "--duration", "20", "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "step", "--duration", "20", "--record", str(path)) as run:
         controller = child(run.pid, "controller")
         wait_for(lambda: grown(path, RUNNING), 30)
         ours = set(children(run.pid))
@@ -104,7 +106,7 @@ BEGUN = {  # how far a run has come, seen from outside
 
 @pytest.mark.parametrize("moment", BEGUN)
 def test_ctrl_c_at_any_time_leaves_no_process_and_a_readable_recording(path, moment):
-    with started("run", "step", "--duration", "60", *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "step", "--duration", "60", *LOOSE, "--record", str(path)) as run:
         wait_for(lambda: BEGUN[moment](run, path), 60)
         ours = set(children(run.pid))
         with_signal(run.pid, signal.SIGINT)
@@ -124,7 +126,7 @@ def test_ctrl_c_at_any_time_leaves_no_process_and_a_readable_recording(path, mom
 @pytest.mark.timed
 def test_a_stalled_recorder_neither_holds_the_plant_nor_loses_a_message(path):
     """Stopped for two seconds: ticks go on, by far less late than that, and what was sent meanwhile still comes."""
-    with started("run", "square", "--duration", "6", *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "square", "--duration", "5", *COARSE, *LOOSE, "--record", str(path)) as run:
         recorder = child(run.pid, "record")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(recorder, signal.SIGSTOP)
@@ -133,12 +135,12 @@ def test_a_stalled_recorder_neither_holds_the_plant_nor_loses_a_message(path):
         run.communicate(timeout=60)
     recording = read(path)
     assert recording.metadata["summary"]["timing"]["lateness"]["max"] < 1.0
-    assert len(recording.columns("measurement")["tick"]) == 6001
+    assert len(recording.columns("measurement")["tick"]) == 501
     assert not recording.metadata["summary"]["lost"]
 
 
 def test_a_killed_supervisor_takes_its_processes_along(path):
-    with started("run", "step", "--duration", "60", "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "step", "--duration", "60", "--record", str(path)) as run:
         wait_for(lambda: grown(path, RUNNING), 30)
         ours = set(children(run.pid))
         with_signal(run.pid, signal.SIGKILL)
@@ -149,7 +151,7 @@ def test_a_killed_supervisor_takes_its_processes_along(path):
 def test_intruders_are_refused_told_and_change_nothing(tmp_path):
     """In lockstep, over the wire: the same true states, bit for bit, with and without them."""
     quiet, disturbed = tmp_path / "quiet.mcap", tmp_path / "disturbed.mcap"
-    run = ("run", "step", "--duration", "3", "--mode", "lockstep")
+    run = ("run", *UNDRAWN, "step", "--duration", "1.5", "--mode", "lockstep")
     assert hydrotwin(*run, "--record", str(quiet)).returncode == 0
     endpoint = free_endpoint()
     with started(*run, "--listen", endpoint, "--record", str(disturbed)) as process:
@@ -187,34 +189,42 @@ def noise(endpoint: str, run_id: int) -> None:
             time.sleep(0.005)
 
 
-@pytest.mark.timed
 def test_a_second_controller_is_told_and_goes(tmp_path):
     endpoint, path = free_endpoint(), tmp_path / "a.mcap"
-    with started("run", "square", "--duration", "8", *LOOSE, "--listen", endpoint, "--record", str(path)) as run:
-        wait_for(lambda: grown(path, RUNNING), 30)
-        second = hydrotwin("controller", "square", "--connect", endpoint, timeout=30)
+    options = (*UNDRAWN, "--duration", "100", *COARSE, *LOOSE, "--listen", endpoint, "--record", str(path))
+    with started("run", "square", *options) as run:
+        wait_for(lambda: path.exists(), 30)
+        second = hydrotwin("controller", "square", *COARSE, "--connect", endpoint)
         assert second.returncode == 1
         assert "the plant refuses this controller" in second.stderr
         assert "Traceback" not in second.stderr
+        with_signal(run.pid, signal.SIGINT)
         run.communicate(timeout=60)
     assert "second controller" in read(path).metadata["summary"]["commands"]["refused"]
 
 
-@pytest.mark.timed
 def test_reset_leaves_the_safe_state(tmp_path):
     """The controller is stopped and continued: latched, its commands are refused until somebody resets."""
     endpoint, path = free_endpoint(), tmp_path / "a.mcap"
     timeout = ("--set", "loop.command_timeout=0.1")
-    with started(
-        *("run", "square", "--duration", "9", *timeout, *LOOSE, "--listen", endpoint, "--record", str(path))
-    ) as run:
+    options = (*UNDRAWN, "--duration", "100", *timeout, *LOOSE, "--listen", endpoint, "--record", str(path))
+    with (
+        started("run", "square", *options) as run,
+        Bus(Link(None, endpoint, None, 60.0), "rig", "witness", blocking=False) as bus,
+    ):
+        kinds: list[str] = []
+        bus.subscribe("event", lambda sample: kinds.append(decode(sample.payload.to_bytes(), "event").kind))
         controller = child(run.pid, "controller")
-        wait_for(lambda: grown(path, RUNNING), 30)
+        wait_for(lambda: grown(path, RUNNING), 60)
         with_signal(controller, signal.SIGSTOP)
-        time.sleep(0.6)
+        wait_for(lambda: "safe" in kinds, 30)
         with_signal(controller, signal.SIGCONT)
-        time.sleep(0.5)
+        wait_for(lambda: "refused" in kinds, 30)
+        time.sleep(0.3)
         assert hydrotwin("reset", "--connect", endpoint).returncode == 0
+        wait_for(lambda: "reset" in kinds, 30)
+        time.sleep(1.0)
+        with_signal(run.pid, signal.SIGINT)
         run.communicate(timeout=60)
     assert len(events(path, "reset")) == 1
     assert read(path).metadata["summary"]["commands"]["refused"]["latched"] > 10

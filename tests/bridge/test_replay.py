@@ -8,12 +8,14 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from bridge.machine.clock import ticks
 from bridge.recording.digest import digest
 from bridge.recording.reader import Recording, read
 from bridge.replay.remote import ask
@@ -55,7 +57,8 @@ def listener(endpoint: str, rig: str = "rig", topics: tuple[str, ...] = tuple(TO
 def test_at_its_own_speed_messages_are_as_far_apart_as_they_were(recording):
     """Seen by a subscriber in another process: p99 of the error between one measurement and the next within 1 ms.
 
-    The best of five is judged: it says what the replay can do, the others what else the machine had to do.
+    On top comes what a clock of our own misses meanwhile. The best of five is judged: it says what the replay can do,
+    the others what else the machine had to do.
     """
     assert any(_timing_error(recording) <= 1e6 for _ in range(5))
 
@@ -67,10 +70,12 @@ def _timing_error(recording: Recording) -> float:
         started("replay", str(recording.path), *words) as process,
         listener(endpoint, topics=("measurement",)) as heard,
     ):
+        missed = [tick.lateness for tick in takewhile(lambda _: process.poll() is None, ticks(1_000_000))]
         assert process.wait(30) == 0
     wall, stamps = (np.array([row[i] for row in heard[1]]) for i in (0, 2))
     assert stamps.tolist() == list(range(0, 1_500_000_001, 1_000_000))
-    return float(np.percentile(np.abs(np.diff(wall) - np.diff(stamps)), 99))
+    error = np.abs(np.diff(wall) - np.diff(stamps))
+    return float(np.percentile(error, 99) - np.percentile(np.abs(np.diff(missed)), 99))
 
 
 def test_at_top_speed_every_message_comes_and_equal_stamps_keep_their_order(recording):

@@ -18,6 +18,7 @@ from bridge.scenario import load
 from tests.bridge.test_golden import TOLERANCES
 from tests.support.command import hydrotwin_here
 from tests.support.processes import (
+    UNDRAWN,
     child,
     children,
     grown,
@@ -61,7 +62,7 @@ def late(folder) -> Recording:
 
 def stalled(path: Path, *options: str) -> Recording:
     """A run whose controller is stopped now and then."""
-    with started("run", "square", "--duration", "4", *options, *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "square", "--duration", "4", *options, *LOOSE, "--record", str(path)) as run:
         controller = child(run.pid, "controller")
         wait_for(lambda: grown(path, RUNNING), 30)
         for pause in (0.03, 0.045, 0.1):
@@ -99,7 +100,7 @@ def test_a_latched_plant_and_its_reset_come_out_again(folder):
     """More refused commands than are told one by one; then somebody resets."""
     path = folder / "latched.mcap"
     options = ("--set", "loop.command_timeout=0.1", "--set", "loop.sample_period=0.005")
-    with started("run", "square", "--duration", "6", *options, *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "square", "--duration", "6", *options, *LOOSE, "--record", str(path)) as run:
         controller, plant = child(run.pid, "controller"), child(run.pid, "plant")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)
