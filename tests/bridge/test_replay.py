@@ -82,7 +82,8 @@ def test_at_top_speed_every_message_comes_and_equal_stamps_keep_their_order(reco
     endpoint = free_endpoint()
     words = ("--speed", "max", "--wait", "10", "--listen", endpoint)
     with started("replay", str(recording.path), *words) as process, listener(endpoint) as (_, came):
-        assert process.wait(30) == 0, process.communicate()[0]
+        assert process.wait(60) == 0, process.communicate()[0]
+        wait_for(lambda: len(came) >= len(recording.entries), 30)  # on its way when the replay has ended
     for topic in TOPICS:
         assert [row[3] for row in came if row[1] == topic] == [entry.data for entry in recording.of(topic)]
     assert [row[2] for row in came] == sorted(row[2] for row in came)

@@ -74,11 +74,11 @@ for name in work:
         try:
             if name.startswith("hydrotwin"):
                 sys.argv = name.split()
-                from bridge.cli import main
-                main()
+                from bridge.cli import answer
+                code = answer()
             else:
                 importlib.import_module(name)
-            code = 0
+                code = 0
         except SystemExit as end:
             code = end.code
         os.write(writer, json.dumps([code, sorted(set(heavy) & set(sys.modules))]).encode())

@@ -10,7 +10,7 @@ from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest import mock
 
-from bridge.cli import main
+from bridge.cli import answer
 
 TERMINAL = {"COLUMNS": "200", "NO_COLOR": "1"}
 TAKEN = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # what a verb may take into its own hands
@@ -22,16 +22,8 @@ def hydrotwin_here(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[st
     with _handlers_kept(), chdir(cwd), mock.patch.dict(os.environ, TERMINAL), mock.patch.object(sys, "argv", command):
         out, err = _stream(), _stream()
         with redirect_stdout(out), redirect_stderr(err):
-            code = _code()
+            code = answer()
     return subprocess.CompletedProcess(command, code, *(_text(stream) for stream in (out, err)))
-
-
-def _code() -> int:
-    try:
-        main()
-    except SystemExit as end:
-        return end.code if isinstance(end.code, int) else int(end.code is not None)
-    return 0
 
 
 def _stream() -> io.TextIOWrapper:
