@@ -129,7 +129,7 @@ def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
     assert "limit cycle: none" in done.stdout
     assert "FAILED" in done.stdout
     messages = [failure.get("message") or "" for failure in ET.parse(tmp_path / "j.xml").getroot().iter("failure")]
-    assert any("mm at" in message and "Hz" in message for message in messages)
+    assert any("mm, at" in message and "Hz" in message for message in messages)
 
 
 @pytest.mark.parametrize("name", ["square", "sine", "hold-load"])
