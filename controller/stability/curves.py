@@ -39,5 +39,21 @@ def flip_gain(loop: SampledLoop, d: float) -> float:
     return gain if gain > 0.0 else np.inf
 
 
+def pair_gains(loop: SampledLoop, d: float) -> tuple[float, float]:
+    """Smaller and larger s > 0 with a complex pair on the circle, in a loop of three states; NaN: none.
+
+    Its mu^3 + p2 mu^2 + p1 mu + p0 is affine in s; a pair of product 1 asks for p0^2 - p0 p2 + p1 = 1.
+    """
+    at_rest, slope = (np.poly(closed(loop, s, d)) for s in (0.0, 1.0))
+    slope = slope - at_rest
+    (_, a2, a1, a0), (_, b2, b1, b0) = at_rest, slope
+    square = b0 * (b0 - b2), 2.0 * a0 * b0 - a0 * b2 - a2 * b0 + b1, a0 * (a0 - a2) + a1 - 1.0
+    gains = sorted(float(s.real) if s.imag == 0.0 else np.nan for s in np.roots(square))
+    # real m and 1/m have product 1 too: the sum of a pair on the circle is below 2
+    kept = [s if s > 0.0 and abs(a2 + s * b2 - a0 - s * b0) < 2.0 else np.nan for s in gains]
+    first, second = [*kept, np.nan, np.nan][:2]
+    return first, second
+
+
 def _positive(s: Array) -> Array:
     return np.where(s > 0.0, s, np.nan)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from controller.stability import Timing, linear_actuator, sampled_loop
 from controller.stability.actuator.analogue import (
     analogue_edge,
     analogue_frequency,
@@ -21,6 +22,8 @@ from controller.stability.actuator.slow_fast import (
     reduced_rates,
     slides,
 )
+from controller.stability.curves import pair_gains
+from controller.stability.sampled import closed
 from twin.integration import integrate
 
 SQRT2 = math.sqrt(2.0)
@@ -197,3 +200,15 @@ def test_the_reduced_relay_loop_slides_near_rest_and_the_whole_one_never_does(d:
     y = np.array([-d / s * bound, bound, 0.4, 0.7])
     moves = [s * rate[0] + d * rate[1] for rate in (full_rates(y, u, K, GAMMA, ALPHA) for u in (1.0, -1.0))]
     assert moves[0] == moves[1]
+
+
+@pytest.mark.parametrize("tau", [0.3, 1.3, 1.96, 6.28])
+def test_a_pair_of_the_damped_loop_leaves_the_circle_at_its_gain(tau: float):
+    """k 0.1, gamma 0.23, as in figure 5.9: inside below the gain, outside above it, and complex."""
+    loop = sampled_loop(linear_actuator(0.1, 0.23), Timing(tau))
+    gain = min(g for g in pair_gains(loop, 0.0) if g > 0.0)
+    below, at, above = (np.linalg.eigvals(closed(loop, share * gain, 0.0)) for share in (0.999, 1.0, 1.001))
+    assert np.abs(below).max() < 1.0 < np.abs(above).max()
+    leaving = at[np.argmax(np.abs(at))]
+    assert abs(leaving) == pytest.approx(1.0, abs=1e-9)
+    assert abs(leaving.imag) > 1e-3

@@ -83,8 +83,9 @@ def draw() -> tuple[Columns, Sheet]:
     label(decay, "peak", "error of its amplitude [%]")
     label(phase, "peak", "its end after the exact one [ms]")
     handles, names = decay.get_legend_handles_labels()
-    page.legend(handles, names, title="at the tenth", loc="outside right center", frameon=False, fontsize=8)
-    remark(page, "right: by characteristics, 50 cells, against the exact line; grey: ±1 %")
+    page.legend(handles, names, title="at the tenth", loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    page.set_size_inches(13.0, 6.0)
+    remark(page, "middle and right: by characteristics, 50 cells, against the exact line; grey: ±1 %")
     time = by_characteristics["10 poles"].time
     table: Columns = {"time [s]": time, "exact [Pa]": np.interp(time, exactly.time, exactly.p_1)}
     table |= {f"{name} by fem/esdirk4 [Pa]": np.interp(time, h.time, h.p_1) for name, h in by_lines.items()}

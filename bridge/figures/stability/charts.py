@@ -1,6 +1,6 @@
 """Figures 5.7 to 5.19: where the sampled actuator is stable, over the sampling interval and the proportional gain.
 
-Source: 5.4.2. The dimensionless actuator, linear about its middle, sampled and held without delay, gamma 0.23; alpha
+Source: 5.4.3. The dimensionless actuator, linear about its middle, sampled and held without delay, gamma 0.23; alpha
 (0.0043 there, 0.00467 in 5.7) drops out. 5.7 is the closed curves alone, d = 1, k = 0. 5.8 to 5.13 have d = 0 and
 rising damping k, 5.14 to 5.19 have k = 0 and rising derivative gain d; each cell is coloured by how many of the three
 multipliers are stable. `areas` is how much of each chart has 0, 1, 2 and 3.
@@ -24,7 +24,7 @@ from bridge.studies.stability.chart_drawing import COLOURS, GOOD
 from controller.stability import Timing, linear_actuator, sampled_loop
 from controller.stability.actuator.analogue import analogue_edge
 from controller.stability.chart import Counts, stable_multipliers
-from controller.stability.curves import flip_curve, flip_gain, fold_intervals, neimark_sacker_curve
+from controller.stability.curves import flip_curve, flip_gain, fold_intervals, neimark_sacker_curve, pair_gains
 
 GAMMA = 0.23
 LONGEST, HIGHEST = 20.0, 5.0  # tau, s
@@ -56,6 +56,14 @@ def flips(tau: Array, of: Damped) -> Array:
         return flip_curve(tau, GAMMA)
     plant = linear_actuator(of.k, GAMMA)
     return np.array([flip_gain(sampled_loop(plant, Timing(t)), of.d) for t in tau.tolist()])
+
+
+def pairs(tau: Array, of: Damped) -> list[Array]:
+    """s at which a pair of multipliers is on the circle: closed without damping, of the loop's cubic with it."""
+    if of.k == 0.0:
+        return [neimark_sacker_curve(tau, of.d, GAMMA)] if of.d > 0.0 else []
+    plant = linear_actuator(of.k, GAMMA)
+    return list(np.array([pair_gains(sampled_loop(plant, Timing(t)), of.d) for t in tau.tolist()]).T)
 
 
 def edges(tau: Array, curve: Array, of: Damped) -> NDArray[np.bool_]:
@@ -118,15 +126,15 @@ def _draw_curves(axes: Any, of: Damped) -> list[Any]:
     tau = (np.arange(FINE) + 0.5) * LONGEST / FINE
     damped = tau[::8]
     curves = [("flip, mu = -1", FLIP, *((tau, flips(tau, of)) if of.k == 0.0 else (damped, flips(damped, of))))]
-    if of.k == 0.0 and of.d > 0.0:
-        curves.append(("Neimark-Sacker, a pair of size 1", PAIR, tau, neimark_sacker_curve(tau, of.d, GAMMA)))
-    keys = []
+    at = tau if of.k == 0.0 else damped
+    curves += [("Neimark-Sacker, a pair of size 1", PAIR, at, curve) for curve in pairs(at, of)]
+    keys: dict[str, Any] = {}
     for name, colour, at, curve in curves:
         seen = np.where((curve > 0.0) & (curve < 1.02 * HIGHEST), curve, np.nan)
         axes.plot(at, seen, color=colour, linewidth=0.6, alpha=0.7)
         strong = axes.plot(at, np.where(edges(at, seen, of), seen, np.nan), color=colour, linewidth=1.8, label=name)
-        keys += strong if np.isfinite(seen).any() else []
-    return keys + (_draw_intervals(axes, of) if of.k == 0.0 else [])
+        keys |= {name: strong[0]} if np.isfinite(seen).any() else {}
+    return [*keys.values()] + (_draw_intervals(axes, of) if of.k == 0.0 else [])
 
 
 def _draw_intervals(axes: Any, of: Damped) -> list[Any]:

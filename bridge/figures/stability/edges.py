@@ -1,6 +1,6 @@
 """Figures 5.20 and 5.21: the critical gain of the rig over the sampling interval, computed and found on the twin.
 
-Source: 5.7. Gains in V per % of the stroke, sampling intervals of 20 ms to 1 s. The source looked for the gain at
+Source: 5.4.3. Gains in V per % of the stroke, sampling intervals of 20 ms to 1 s. The source looked for the gain at
 which its rig began to oscillate and found two: below one it never did, above the other always; between them start and
 direction decided. The twin is asked in the same way: held at 100 mm, steps of two sizes up and down.
 """

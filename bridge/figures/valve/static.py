@@ -99,7 +99,13 @@ def draw_pilot_force() -> tuple[Columns, Sheet]:
     axes.set(xlim=(0.0, 100.0))
     label(axes, "$p_{in}$ [bar]", "F [N]")
     axes.legend(frameon=False, title="lift")
-    remark(page, "(2.34): $p_2$ over the whole inlet. The source's CFD gives up to five times less at wide openings.")
+    name = f"{LIFTS[0] * 1e3:.1f} mm"
+    remark(
+        page,
+        f"(2.34): $p_2$ over the whole inlet. {name} at 100 bar: "
+        f"{columns[f'pressure force {name} [N]'][-1]:.1f} N behind the nozzle of {part['nozzle_diameter'] * 1e3:.1f} mm (the thesis's axis ends at 25 N), "
+        f"{seat.area * p_in[-1]:.0f} N without it",
+    )
     return columns, page
 
 
@@ -124,7 +130,9 @@ def draw_static() -> tuple[Columns, Sheet]:
         }
     left.set(xlim=(0.0, 200.0), ylim=(0.0, 350.0))
     left.plot([], [], "o", color="black", markersize=4, label="main stage opens")
-    left.legend(frameon=False, title="precompression", fontsize=8, loc="center right")
+    page.legend(
+        *left.get_legend_handles_labels(), title="precompression", loc="outside lower center", ncols=6, frameon=False
+    )
     label(left, "Q [l/min]", "$p_{in} - p_{out}$ [bar]")
     right.plot([], [], color="black", label="pilot")
     right.plot([], [], "--", color="black", label="main spool")
