@@ -99,13 +99,10 @@ def draw_pilot_force() -> tuple[Columns, Sheet]:
     axes.set(xlim=(0.0, 100.0))
     label(axes, "$p_{in}$ [bar]", "F [N]")
     axes.legend(frameon=False, title="lift")
-    name = f"{LIFTS[0] * 1e3:.1f} mm"
-    remark(
-        page,
-        f"(2.34): $p_2$ over the whole inlet. {name} at 100 bar: "
-        f"{columns[f'pressure force {name} [N]'][-1]:.1f} N behind the nozzle of {part['nozzle_diameter'] * 1e3:.1f} mm (the thesis's axis ends at 25 N), "
-        f"{seat.area * p_in[-1]:.0f} N without it",
-    )
+    name, nozzle = f"{LIFTS[0] * 1e3:.1f} mm", f"{part['nozzle_diameter'] * 1e3:.3g} mm"
+    most, bare = columns[f"pressure force {name} [N]"][-1], seat.area * p_in[-1]
+    behind = f"{name} at 100 bar: {most:.1f} N behind a nozzle of {nozzle}, {bare:.0f} N without it"
+    remark(page, f"(2.34): $p_2$ over the whole inlet. {behind}; the thesis's axis ends at 25 N")
     return columns, page
 
 
