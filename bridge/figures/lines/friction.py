@@ -11,7 +11,6 @@ from bridge.drawing.canvas import (
     Columns,
     Sheet,
     label,
-    remark,
     shades,
     sheet,
 )
@@ -28,6 +27,7 @@ CELLS, PEAKS = 50, 10
 STEP = PIPE.travel_time / CELLS
 SPAN = (4 * PEAKS + 2) * PIPE.travel_time
 EXACT_POINTS = 20000
+AGAINST = "middle and right: by characteristics, 50 cells, against the exact line; grey: ±1 %; at the tenth peak:"
 DRAWN = {"none": "black", "steady": "tab:red", "zielke": "tab:blue"}  # by FEM and ESDIRK4, as in the thesis; Re 1370
 
 
@@ -66,8 +66,8 @@ def draw() -> tuple[Columns, Sheet]:
         text = {"none": "frictionless", "steady": "quasi-steady", "zielke": "Zielke, 100 poles"}[name]
         course.plot(history.time, 1e-5 * history.p_1, color=DRAWN[name], linewidth=0.8, label=f"{text}, FEM/ESDIRK4")
     course.plot(exactly.time, 1e-5 * exactly.p_1, "--", color="tab:orange", linewidth=0.9, label="exact, with memory")
-    course.set_ylim(8.4, 12.2)
-    course.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
+    course.set_ylim(8.4, 12.6)
+    course.legend(frameon=False, fontsize=8, loc="upper center")
     label(course, "t [s]", "inlet pressure [bar]")
     number = np.arange(1, PEAKS + 1)
     for (name, history), colour in zip(by_characteristics.items(), shades(range(len(tried))), strict=True):
@@ -83,9 +83,8 @@ def draw() -> tuple[Columns, Sheet]:
     label(decay, "peak", "error of its amplitude [%]")
     label(phase, "peak", "its end after the exact one [ms]")
     handles, names = decay.get_legend_handles_labels()
-    page.legend(handles, names, title="at the tenth", loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    page.legend(handles, names, title=AGAINST, loc="outside lower center", ncols=4, frameon=False, fontsize=8)
     page.set_size_inches(13.0, 6.0)
-    remark(page, "middle and right: by characteristics, 50 cells, against the exact line; grey: ±1 %")
     time = by_characteristics["10 poles"].time
     table: Columns = {"time [s]": time, "exact [Pa]": np.interp(time, exactly.time, exactly.p_1)}
     table |= {f"{name} by fem/esdirk4 [Pa]": np.interp(time, h.time, h.p_1) for name, h in by_lines.items()}
