@@ -28,11 +28,11 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
     ),
     "controller": (
         (
-            *("bands", "grid", "hold", "law", "laws", "metrics", "oscillation"),
+            *("bands", "grid", "hold", "law", "laws", "linear_system", "metrics", "oscillation"),
             *("pid", "reference", "stretches", "tracking", "window"),
         ),
         ("stability",),
-        ("stability.actuator",),
+        ("stability.actuator", "stability.amplitude"),
         ("stability.orbits",),
     ),
     "bridge": (

@@ -19,6 +19,8 @@ from controller.stability.crossing import first_loss
 from controller.stability.plant import Array, Plant, linear_actuator, zero_order_hold
 from controller.stability.timing import Timing
 
+MOST_PAST = 100  # sampling periods of delay: the work grows with the cube
+
 
 class SampledLoop(NamedTuple):
     """The loop from sample to sample, affine in both gains; n = plant + past inputs + memory."""
@@ -115,6 +117,8 @@ def _past_inputs(tau: Array, delay: Array) -> int:
     if not (np.all(delay >= 0.0) and np.all(np.isfinite(delay))):
         raise ValueError(f"delay {delay} (sampling periods) must be 0 or more, and finite")
     past = np.unique(np.ceil(delay))
+    if np.any(past > MOST_PAST):
+        raise ValueError(f"a delay of {past.max():.0f} periods is beyond this theory, which ends at {MOST_PAST}")
     if len(past) > 1:
         raise ValueError(f"delays that round up to {past} periods give matrices of different size; take them in turn")
     return int(past[0])

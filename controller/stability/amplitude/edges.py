@@ -1,0 +1,128 @@
+"""At which gain a step leaves the loop swinging: an interval, since noise, friction and the smallest chance decide.
+
+The edge of one run is the smallest gain at which it swings: the gain rises from one that settles until it does, and the
+last interval is bisected. Near an edge the piston sticks and breaks loose irregularly, so another noise of the card
+gives another edge. A few members, each with its own noise and a friction within some per cent, span the interval, the
+most tolerant of many left out; what the reduction leaves out widens it by a fixed factor.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from controller.stability.amplitude.drive import Drive, DriveState
+from controller.stability.amplitude.linear_law import LinearLaw
+from controller.stability.amplitude.run import Card, Course, Decide, run_asking, run_linear
+from controller.stability.amplitude.swing import Swing, last_third
+
+SECONDS, PERIODS, DELAYS = 20.0, 200.0, 10.0  # of a run, the longest of them
+LONGEST, LEAST = 400.0, 20.0  # but at most so many seconds, or so many periods
+SLOWEST = 20.0  # [s], a sampling period
+RATIO = 1.15  # of the gain, from one run of a scan to the next
+TOLERANCE = 1.04  # of the gain, between settling and swinging
+UP, DOWN = 300.0, 10.0  # times the first gain, how far is searched
+BACK = 0.4  # of the first member's edge, where the others start: theirs may be much lower
+
+
+class Member(NamedTuple):
+    """One of those that span an interval."""
+
+    seed: int  # of the card's noise
+    friction: float  # over the seal's
+
+
+MEMBERS = (Member(1, 1.0), Member(2, 0.95), Member(3, 1.05), Member(4, 1.0), Member(5, 0.9), Member(6, 1.1))
+WIDER = 1.15  # beyond the members, down and up
+MANY = 5  # members, of which the most tolerant is left out
+
+
+class Loop(NamedTuple):
+    """A reduced drive under a law."""
+
+    drive: Drive
+    start: DriveState
+    law: Callable[[float], LinearLaw | Decide]  # the law afresh, at a gain
+    when: Course
+    card: Card
+
+
+class Edge(NamedTuple):
+    """The edge of one member."""
+
+    settles: float  # largest gain below the edge that settles; 0.0: none does
+    swings: float  # smallest that swings; inf: none does
+    frequency: float  # [Hz], there
+    peak_to_peak: float  # [m], there
+
+
+class Interval(NamedTuple):
+    """Where the edge of a step is expected."""
+
+    size: float  # of the step [m], upwards positive
+    low: float  # settles below
+    high: float  # swings above; inf: never
+    frequency: float  # [Hz], of the swing at the edge, the members' median; 0.0: irregular
+    frequencies: tuple[float, float]  # [Hz], least and greatest
+    peaks: tuple[float, float]  # [m], peak to peak there
+
+
+Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
+
+
+def lasting(period: float, delay: float) -> float:
+    """Length [s] of a run, whole sampling periods. Raises ValueError for a period beyond SLOWEST."""
+    if period > SLOWEST:
+        raise ValueError(f"a sampling period of {period:g} s is beyond the theory, which ends at {SLOWEST:g} s")
+    wanted = max(SECONDS, PERIODS * period, DELAYS * delay)
+    return period * math.ceil(round(min(wanted, max(LONGEST, LEAST * period)) / period, 6))
+
+
+def swing(loop: Loop, gain: float, size: float, member: Member = MEMBERS[0]) -> Swing:
+    """The last third after a step of a size [m] at a gain."""
+    seal = loop.drive.seal
+    drive = loop.drive._replace(seal=seal._replace(perimeter=member.friction * seal.perimeter))
+    law = loop.law(gain)
+    if isinstance(law, LinearLaw):
+        return last_third(*run_linear(drive, loop.start, law, size, loop.when, loop.card, member.seed))
+    return last_third(*run_asking(drive, loop.start, law, size, loop.when, loop.card, member.seed))
+
+
+def edge(loop: Loop, size: float, member: Member, first: float) -> Edge:
+    """The smallest gain at which a member swings, searched upwards from a gain `first`, or from what settles below."""
+    low, high, found = 0.0, first, swing(loop, first, size, member)
+    while found.counts and high > first / DOWN:
+        high *= 0.7
+        found = swing(loop, high, size, member)
+    if found.counts:
+        return Edge(0.0, high, found.frequency, found.peak_to_peak)
+    while not found.counts:
+        low, high = high, high * RATIO
+        if high > first * UP:
+            return Edge(low, math.inf, 0.0, 0.0)
+        found = swing(loop, high, size, member)
+    while high > low * TOLERANCE:
+        middle = math.sqrt(low * high)
+        between = swing(loop, middle, size, member)
+        low, high, found = (low, middle, between) if between.counts else (middle, high, found)
+    return Edge(low, high, found.frequency, found.peak_to_peak)
+
+
+def interval(loop: Loop, size: float, first: float, members: Sequence[Member] = MEMBERS, each: Map = map) -> Interval:
+    """The interval of a step, searched from a gain `first` that should settle."""
+    start = edge(loop, size, members[0], first)
+    near = BACK * start.swings if math.isfinite(start.swings) else first
+    found = [start, *each(lambda member: edge(loop, size, member, near), members[1:])]
+    return spanned(size, found)
+
+
+def spanned(size: float, found: Sequence[Edge]) -> Interval:
+    """The interval that the edges of some members span."""
+    swinging = [one for one in found if math.isfinite(one.swings)]
+    low = min((one.swings for one in swinging), default=math.inf) / WIDER
+    tolerated = sorted(one.swings for one in found)
+    high = tolerated[-2 if len(found) >= MANY else -1] * WIDER
+    often = [one.frequency for one in swinging if one.frequency > 0.0] or [0.0]
+    peaks = [one.peak_to_peak for one in swinging] or [0.0]
+    return Interval(size, low, high, float(np.median(often)), (min(often), max(often)), (min(peaks), max(peaks)))

@@ -1,0 +1,66 @@
+"""From a circuit to its reduced drive, and to where it rests."""
+
+import numpy as np
+
+from controller.stability.amplitude.drive import Capacities, Drive, DriveState, Line, Supply
+from controller.stability.amplitude.run import resting
+from twin.circuit.equilibrium import supply_at_rest
+from twin.circuit.step import Circuit
+from twin.minor_losses import loss_at_end
+from twin.relief.steady import steady_flow
+
+ANGULAR = 2.0 * np.pi * 30.0  # [rad/s], at which oil in the lines resists: swings between 2 and 40 Hz matter
+KNEE = 0.3  # of the flow at rest, down to where the relief valve's curve is taken as straight
+UNLIMITED = 1e12  # [Pa]
+
+
+def reduced(circuit: Circuit) -> Drive:
+    """The drive of a circuit."""
+    parts, lines = circuit.parts, circuit.lines
+    half = 0.5 * lines.capacity
+    lower, upper = (float(c) * parts.oil.bulk_modulus for c in half[2:4])  # as a dead volume of the same capacity
+    cylinder = parts.cylinder
+    meet = (lines.capacity[0] + half[1], half[1], half[2], half[3], half[4], half[4] + half[5])
+    return Drive(
+        mass=parts.load.mass,
+        weight=parts.load.mass * parts.load.gravity - parts.load.force,
+        oil=parts.oil,
+        cylinder=cylinder._replace(dead_lower=cylinder.dead_lower + lower, dead_upper=cylinder.dead_upper + upper),
+        seal=parts.seal,
+        is_switching=parts.fitted.switching,
+        valve=parts.valve,
+        switching=parts.switching,
+        supply=_supply(circuit),
+        fitting=parts.fitting,
+        capacities=Capacities(*map(float, meet)),
+        **{f"line_{number}": _line(number - 1, circuit) for number in range(2, 7)},
+    )
+
+
+def at_rest(d: Drive, circuit: Circuit, position: float, p_upper: float) -> DriveState:
+    """The drive where a run of the circuit starts."""
+    return resting(d, position, p_upper, supply_at_rest(circuit).tee)
+
+
+def _line(number: int, circuit: Circuit) -> Line:
+    """A line whose oil resists as in a swing: by its boundary layer, never less than in steady flow."""
+    lines, nu = circuit.lines, circuit.parts.oil.viscosity
+    inertance, steady = float(lines.inertance[number]), float(lines.resistance[number])
+    elbows = 2.0 * loss_at_end(circuit.parts.losses, number)
+    if steady == 0.0:
+        return Line(inertance, 0.0, elbows)
+    radius = np.sqrt(8.0 * nu * inertance / steady)
+    layer = inertance * np.sqrt(2.0 * nu * ANGULAR) / radius
+    return Line(inertance, float(max(steady, layer)), elbows)
+
+
+def _supply(circuit: Circuit) -> Supply:
+    """The relief valve's curve as a straight line from the flow at rest down to its knee."""
+    pump, at = circuit.parts.pump, supply_at_rest(circuit)
+    if not circuit.parts.fitted.relief or at.relieved <= 0.0:
+        return Supply(pump.delivery, pump.leakage, UNLIMITED, 0.0)
+    low = high = at.tee
+    while (flow := steady_flow(low, circuit.parts.relief)) > KNEE * at.relieved:
+        low -= 2e-3 * at.tee
+    slope = (at.relieved - flow) / (high - low)
+    return Supply(pump.delivery, pump.leakage, high - at.relieved / slope, slope)

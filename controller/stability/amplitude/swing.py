@@ -1,0 +1,44 @@
+"""How a position swings in the last third of a run: peak to peak, and how often."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+LARGEST = 3e-4  # [m], peak to peak: what does not count as swinging
+PERIODS = 2.5  # that a swing must fit into the last third; slower ones are creep and jumps
+Array = NDArray[np.float64]
+
+
+class Swing(NamedTuple):
+    """What the last third of a run holds."""
+
+    peak_to_peak: float  # [m]
+    frequency: float  # [Hz], of the strongest line of its spectrum; 0.0: slower than can be told
+
+    @property
+    def counts(self) -> bool:
+        """Is it more than LARGEST?"""
+        return self.peak_to_peak > LARGEST
+
+
+def last_third(time: Array, position: Array) -> Swing:
+    """The swing of a run that starts at time 0."""
+    late = time >= 2.0 / 3.0 * time[-1]
+    peak = float(np.ptp(position[late]))
+    return Swing(peak, strongest(time[late], position[late]) if peak > LARGEST else 0.0)
+
+
+def strongest(time: Array, position: Array) -> float:
+    """Frequency [Hz] of the strongest line about the trend, between the bins by a parabola through three of them."""
+    even = np.linspace(time[0], time[-1], len(time))
+    x = np.interp(even, time, position)
+    x = (x - np.polyval(np.polyfit(even, x, 1), even)) * np.hanning(len(x))
+    power = np.abs(np.fft.rfft(x, 4 * len(x)))
+    span = 4.0 * (time[-1] - time[0]) * len(x) / (len(x) - 1)
+    first = int(np.ceil(PERIODS / (time[-1] - time[0]) * span))
+    k = int(np.argmax(power))
+    if not first < k < len(power) - 1:
+        return 0.0
+    low, top, high = power[k - 1 : k + 2]
+    return float((k + 0.5 * (low - high) / (low - 2.0 * top + high)) / span)

@@ -1,0 +1,118 @@
+"""The reduced drive under a sampled law: what it keeps of the circuit and of the laws, and what a step of it leaves."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from controller.law import Gains, pd
+from controller.pid import PidGains, pid
+from controller.reference import Target
+from controller.stability.amplitude.drive import pace_of
+from controller.stability.amplitude.edges import Edge, lasting, spanned
+from controller.stability.amplitude.linear_law import pd_law, with_integral
+from controller.stability.amplitude.reduce import at_rest, reduced
+from controller.stability.amplitude.run import Card, Course, run_asking, run_linear
+from controller.stability.amplitude.swing import last_third
+from twin.circuit.build import build
+from twin.circuit.linear import moving_point
+from twin.rig import values
+
+EXACT = Card(0.0, 0.0, 0.0, 0.0)
+CIRCUIT = build(values(), 50e-6)
+DRIVE = reduced(CIRCUIT)
+START = at_rest(DRIVE, CIRCUIT, 0.1, 0.0)
+WHEN = Course(0.01, 0.0137, 0.1, 1.0)
+
+
+def asking(law, own):
+    memory = None
+
+    def decide(sample, target):
+        nonlocal memory
+        spool, memory = law(sample, Target(target, 0.0), memory, own)
+        return spool
+
+    return decide
+
+
+@pytest.mark.parametrize("zeta", [0.3, 1.0, 1.7])
+def test_the_spool_moves_by_its_exact_matrix(zeta: float):
+    valve = DRIVE.valve._replace(damping=zeta)
+    omega = valve.natural_frequency
+    exact = expm(3e-4 * np.array([[0.0, 1.0], [-(omega**2), -2.0 * zeta * omega]]))
+    assert np.array(pace_of(valve, 3e-4)[1:]).reshape(2, 2) == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize("source", ["measured", "backward", "filtered"])
+def test_a_linear_law_moves_the_drive_as_the_law_itself(source: str):
+    own = Gains(60.0, 0.4, source, 0.02, WHEN.period, 0.9, 0.1)
+    law = pd_law(60.0, 0.4, source, 0.02, WHEN.period, 0.9, 0.1)
+    _, found = run_linear(DRIVE, START, law, 0.05, WHEN, EXACT, 1)
+    _, asked = run_asking(DRIVE, START, asking(pd, own), 0.05, WHEN, EXACT, 1)
+    assert np.ptp(found) > 0.04
+    assert found == pytest.approx(asked, abs=1e-9)
+
+
+@pytest.mark.parametrize("anti_windup", ["back-calculation", "clamping", "none"])
+def test_a_pid_keeps_its_integral_as_the_law_itself(anti_windup: str):
+    own = PidGains(60.0, 90.0, 0.2, 0.0, "filtered", 0.02, WHEN.period, 0.5, 0.1, anti_windup, 0.05)
+    back = WHEN.period / 0.05 if anti_windup == "back-calculation" else 0.0
+    law = pd_law(60.0, 0.2, "filtered", 0.02, WHEN.period, 0.5, 0.1)
+    law = with_integral(law, 90.0 * WHEN.period, back, anti_windup == "clamping")
+    _, found = run_linear(DRIVE, START, law, 0.1, WHEN, EXACT, 1)
+    _, asked = run_asking(DRIVE, START, asking(pid, own), 0.1, WHEN, EXACT, 1)
+    assert found == pytest.approx(asked, abs=1e-9)
+
+
+@pytest.mark.parametrize("spool", [0.3, -0.25])
+def test_the_drive_moves_as_fast_as_the_circuit(spool: float):
+    """Steady speed at a constant opening, without friction: within 3 % of the circuit's balance of flows."""
+    free = DRIVE._replace(seal=DRIVE.seal._replace(limit=0.0))
+    when = Course(0.01, 0.0, 0.0, 0.6)
+    time, position = run_asking(free, at_rest(free, CIRCUIT, 0.135, 0.0), lambda *_: spool, 0.0, when, EXACT, 1)
+    late = (time > 0.3) & (time < 0.5)
+    speed = np.polyfit(time[late], position[late], 1)[0]
+    assert speed == pytest.approx(moving_point(CIRCUIT, 0.135, spool).piston.velocity, rel=0.03)
+
+
+def test_a_delay_of_whole_periods_shifts_the_motion_and_nothing_else():
+    """And a delay of a part of one by that part, to the order of the step."""
+    runs = [
+        run_asking(DRIVE, START, lambda sample, _: 0.4 * (sample.stamp_ns >= 10**8), 0.0, when, EXACT, 1)
+        for when in (Course(0.01, 0.0, 0.0, 0.4), Course(0.01, 0.02, 0.0, 0.4), Course(0.01, 0.005, 0.0, 0.4))
+    ]
+    at = np.linspace(0.12, 0.35, 50)
+    first, second, third = (np.interp(at + late, *run) for run, late in zip(runs, (0.0, 0.02, 0.005), strict=True))
+    assert second == pytest.approx(first, abs=2e-5)
+    assert third == pytest.approx(first, abs=2e-5)
+
+
+def test_friction_holds_what_it_can():
+    """A push below the seal's limit does not move the piston by a bit; one above it does."""
+    p_lower = DRIVE.weight / DRIVE.cylinder.area_lower
+    most = DRIVE.seal.limit * p_lower * DRIVE.seal.width * DRIVE.seal.perimeter
+    for share, moves in ((0.9, False), (1.1, True)):
+        pushed = DRIVE._replace(weight=DRIVE.weight - share * most, cylinder=DRIVE.cylinder._replace(leakage=0.0))
+        _, position = run_asking(pushed, START, lambda *_: 0.0, 0.0, Course(0.01, 0.0, 0.0, 0.2), EXACT, 1)
+        assert bool(np.ptp(position) > 0.0) is moves
+
+
+def test_a_swing_is_told_by_its_last_third():
+    time = np.linspace(0.0, 30.0, 9001)
+    grown = last_third(time, 1e-3 * np.minimum(time / 20.0, 1.0) * np.sin(2.0 * math.pi * 3.3 * time) + 0.1 * time)
+    assert grown.frequency == pytest.approx(3.3, rel=2e-3)
+    decayed = last_third(time, 1e-2 * np.exp(-time) * np.sin(20.0 * time))
+    assert not decayed.counts
+    assert last_third(time, 1e-3 * (time > 25.0)) == (pytest.approx(1e-3), 0.0)  # a jump has no frequency
+
+
+def test_members_span_an_interval_and_runs_last_long_enough():
+    found = spanned(2e-3, [Edge(1.0, 1.1, 3.0, 1e-3), Edge(1.5, 1.6, 5.0, 2e-3), Edge(9.0, math.inf, 0.0, 0.0)])
+    assert found.low < 1.1
+    assert math.isinf(found.high)
+    assert found.frequency == 4.0
+    assert [lasting(*times) for times in ((0.01, 0.0), (0.5, 0.0), (0.01, 5.0))] == pytest.approx([20.0, 100.0, 50.0])
+    with pytest.raises(ValueError, match="beyond the theory"):
+        lasting(60.0, 0.0)
