@@ -18,6 +18,7 @@ from bridge.scenario.controllers import Controller, Python
 from bridge.scenario.law_file import law_file
 from controller.law import Law, Sample
 from controller.laws import LAWS, ControlLaw, Hook, forget
+from controller.linear_system import system_law
 from controller.reference import Target
 
 OURS = ("bridge", "controller", "twin")  # no laws themselves
@@ -49,6 +50,11 @@ def find_law(name: str) -> ControlLaw:
     if not callable(law):
         raise ScenarioError(f"controller.law {name!r}: {loaded.__file__} has no function {function!r}")
     place = Path(loaded.__file__ or "")
+    if is_system(law):
+        linear = _system_law(law, name)
+        answer: Any = _checked(linear, name, place)
+        answer.system = linear.system
+        return ControlLaw(answer)
     hooks = {hook: _hook(getattr(loaded, hook, None), f"{name}: {hook}", place) for hook in HOOKS}
     return ControlLaw(_checked(law, name, place), **hooks)
 
@@ -107,6 +113,23 @@ def _alone(file: Path) -> ModuleType:
         del sys.modules[name]
         raise
     return module
+
+
+def is_system(law: Any) -> bool:
+    """Is it a linear system of the package `control`?"""
+    return type(law).__module__.partition(".")[0] == "control" and hasattr(law, "dt")
+
+
+def _system_law(system: Any, name: str) -> Any:
+    """A sampled linear system as a law. Raises ScenarioError for one that is none."""
+    import control
+
+    if not (isinstance(system.dt, float | int) and not isinstance(system.dt, bool) and system.dt > 0.0):
+        raise ScenarioError(f"controller.law {name!r} has dt {system.dt}: give the sampling period in seconds")
+    if (system.ninputs, system.noutputs) != (1, 1):
+        raise ScenarioError(f"controller.law {name!r}: a system takes the position error alone and has one output")
+    states = control.ss(system)
+    return system_law(*(getattr(states, part).tolist() for part in "ABCD"), float(system.dt))
 
 
 def _checked(law: Any, name: str, file: Path) -> Law:
