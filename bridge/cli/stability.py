@@ -10,43 +10,183 @@ from bridge.cli.outputs import print_json
 from bridge.errors import UsageError
 
 if TYPE_CHECKING:
-    from bridge.studies.stability.advice import Advice, GainInUnits, PointAdvice
+    from bridge.scenario import Scenario
+    from bridge.studies.stability.advice import Advice, CycleAdvice, GainInUnits, PointAdvice, RowAdvice, StepAdvice
 
 PAIR = "LOW:HIGH"
+STEP = Annotated[
+    list[str] | None, typer.Option("--step", metavar="LENGTH", help="Size of a step [default: 2, 20 and 60 mm].")
+]
+VERIFY = Annotated[bool, typer.Option("--verify", help="Run the twin at the ends of each interval.")]
+BAR = 24  # columns of the picture's bars
+NARROWEST = 0.1  # [mm], where a bar begins
 
 
-def advise(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
-    """Find the stable gains of a scenario's loop: critical gains, margins, predicted oscillation, suggested gains.
+def advise(
+    scenario: SCENARIO = "step",
+    changes: CHANGES = None,
+    steps: STEP = None,
+    verify: VERIFY = False,
+    as_json: AS_JSON = False,
+) -> None:
+    """Find the gains at which a scenario's loop settles, swings after every motion, or depends on the motion.
 
-    By linear theory about the rig's own points of rest and slow motion; what it leaves out is in docs/stability.md.
+    The theory is that of a reduced drive under the sampled law, with friction, saturation and card; the linear theory
+    of the smallest motions stands beside it. --verify compares with runs of the twin. See docs/stability.md.
     """
     from bridge.scenario import load
 
     checked = load(scenario, changes)
+    from bridge.studies.stability.advice import Advice
     from bridge.studies.stability.advice import advise as advice
 
-    found = advice(checked)
-    if as_json:
+    found = advice(checked, _sizes(steps))
+    if as_json and not verify:
         print_json(found.plain())
+    elif not isinstance(found, Advice):
+        _print_cycles(found)
+    elif as_json:
+        from bridge.studies.stability.verified import verified
+
+        runs = [
+            one._asdict() | {"found": one.found._asdict(), "agrees": one.agrees}
+            for one in verified(checked, found.steps)
+        ]
+        print_json(found.plain() | {"verified": runs})
     else:
         _print(found)
+        if verify:
+            _print_verified(checked, found)
+
+
+def _sizes(steps: list[str] | None) -> tuple[float, ...]:
+    """Sizes of steps [m]."""
+    from bridge.scenario.units import quantity
+    from bridge.studies.stability.amplitude import ASKED
+
+    if not steps:
+        return ASKED
+    try:
+        sizes = tuple(abs(float(quantity(step, "m"))) for step in steps)
+    except ValueError as error:
+        raise UsageError(f"--step: {error}") from None
+    if not all(sizes):
+        raise UsageError("--step 0 moves nothing; give a size such as '5 mm'")
+    return sizes
 
 
 def _print(found: "Advice") -> None:
     from bridge.cli.tables import print_table
 
+    timing, unit = found.timing, found.unit
+    print(
+        f"{found.scenario}: gain {_in(found.gain, unit)}, D {found.derivative_gain.volts:.4g} V s/% "
+        f"({timing.derivative}), sampled every {timing.period * 1e3:g} ms, delay {timing.delay * 1e3:g} ms"
+    )
+    above = _in(found.swings_above, unit) if found.swings_above.volts is not None else "no gain"
+    print(
+        f"Every motion settles below {_in(found.settles_below, unit)} and swings above {above}; "
+        f"this loop {found.verdict.words}.\n"
+    )
+    print_table(
+        (f"after a step of, from {found.starts_at * 1e3:g} mm", "settles below", "swings above", "starts with", "at"),
+        [_step_row(step, unit) for step in found.steps],
+    )
+    print()
+    print_table(
+        ("gain", "peak to peak, up to", "", "at", "swings after"), [_picture_row(row, found) for row in found.rows]
+    )
+    if found.points:
+        print(f"\nSmallest motions, by linear theory about {found.held_at * 1e3:g} mm, and what friction holds:")
+        heads = (
+            "about",
+            "opening",
+            "critical P",
+            "gain margin",
+            "delay margin",
+            "stable D",
+            "starts as",
+            "at these gains",
+        )
+        print_table(heads, [_row(name, point) for name, point in found.points.items()])
+    suggested = found.suggested
+    print(f"\nsuggested gain: {_in(suggested.gain, unit)}, patient {_in(suggested.patient, unit)} ({suggested.rule})")
+    for note in found.notes:
+        print(note)
+
+
+def _in(gain: "GainInUnits", unit: str) -> str:
+    return "none" if gain.volts is None else f"{gain.volts:.3g} {unit}"
+
+
+def _step_row(step: "StepAdvice", unit: str) -> tuple[str, ...]:
+    small, large = (peak * 1e3 for peak in step.peak_to_peak)
+    return (
+        f"{step.size * 1e3:+g} mm",
+        _in(step.settles_below, unit),
+        _in(step.swings_above, unit),
+        _span(small, large, "mm"),
+        _span(*step.frequencies, "Hz"),
+    )
+
+
+def _span(low: float, high: float, unit: str) -> str:
+    if high == 0.0:
+        return "irregular" if unit == "Hz" else "-"
+    return f"{low:.2g} {unit}" if high < 1.1 * low else f"{low:.2g} to {high:.2g} {unit}"
+
+
+def _picture_row(row: "RowAdvice", found: "Advice") -> tuple[str, ...]:
+    from math import log10
+
+    peak = row.peak_to_peak * 1e3
+    mark = " *" if row.gain.volts == found.gain.volts else ""
+    width = round(BAR * min(1.0, max(0.0, log10(max(peak, NARROWEST) / NARROWEST) / 4.0)))
+    after = ", ".join(f"{size * 1e3:+g}" for size in row.swings_after)
+    swings = "all" if len(row.swings_after) == len(found.steps) else f"{after} mm" if after else "none"
+    if not row.swings_after:
+        return f"{row.gain.volts:.3g}{mark}", "settles", "", "", swings
+    often = f"{row.frequency:.2g} Hz" if row.frequency else "irregular"
+    return f"{row.gain.volts:.3g}{mark}", "#" * width, f"{peak:.2g} mm", often, swings
+
+
+def _print_cycles(found: "CycleAdvice") -> None:
+    from bridge.cli.tables import print_table
+
     timing = found.timing
     print(
-        f"{found.scenario}: P {found.gain.volts:.4g} V/%, D {found.derivative_gain.volts:.4g} V s/% "
-        f"({timing.derivative}), sampled every {timing.period * 1e3:g} ms, delay {timing.delay * 1e3:g} ms, "
-        f"held at {found.held_at * 1e3:g} mm"
+        f"{found.scenario}: relay, sampled every {timing.period * 1e3:g} ms, delay {timing.delay * 1e3:g} ms; "
+        f"it {found.verdict.words}.\n"
     )
-    print(f"By linear theory the loop is {found.verdict.words}.\n")
-    heads = ("about", "opening", "critical P", "gain margin", "delay margin", "stable D", "starts as", "at these gains")
-    print_table(heads, [_row(name, point) for name, point in found.points.items()])
-    suggested = found.suggested
-    gain, patient = _volts(suggested.gain, "V/%"), _volts(suggested.patient, "V/%")
-    print(f"\nsuggested P: {gain}, patient {patient} ({suggested.rule})")
+    rows = [
+        (f"{size * 1e3:+g} mm", f"{peak * 1e3:.3g} mm", f"{often:.3g} Hz" if often else "irregular")
+        for size, peak, often in found.cycles
+    ]
+    print_table(("after a step of", "peak to peak", "at"), rows)
+    for note in found.notes:
+        print(note)
+
+
+def _print_verified(scenario: "Scenario", found: "Advice") -> None:
+    """Runs of the twin, as they come."""
+    from bridge.cli.tables import print_table
+    from bridge.studies.stability.verified import verified
+
+    runs = list(verified(scenario, found.steps))
+    rows = [
+        (
+            f"{run.size * 1e3:+g} mm",
+            f"{run.gain:.3g} {found.unit}",
+            "swings" if run.expected else "settles",
+            f"{run.found.peak_to_peak * 1e3:.3g} mm"
+            + (f" at {run.found.frequency:.3g} Hz" if run.found.counts else ""),
+            "agrees" if run.agrees else "DISAGREES",
+        )
+        for run in runs
+    ]
+    print()
+    print_table(("step", "gain", "theory", "twin, last third", ""), rows)
+    print(f"The twin agrees in {sum(run.agrees for run in runs)} of {len(runs)} runs.")
 
 
 def _row(name: str, point: "PointAdvice") -> tuple[str, ...]:
@@ -57,17 +197,14 @@ def _row(name: str, point: "PointAdvice") -> tuple[str, ...]:
     return (
         name,
         f"{point.opening * 1e2:.2g} %",
-        _volts(point.critical_gain, "V/%"),
+        _in(point.critical_gain, "V/%"),
         "-" if margin is None else f"{margin:.3g}",
         "long" if late is None else f"{late * 1e3:.3g} ms",
         width,
         f"{point.kind}, {point.frequency:.3g} Hz",
         now,
+        "-" if point.held_below is None else f"below {point.held_below * 1e3:.2g} mm",
     )
-
-
-def _volts(gain: "GainInUnits", unit: str) -> str:
-    return "none" if gain.volts is None else f"{gain.volts:.4g} {unit}"
 
 
 def map_stability(

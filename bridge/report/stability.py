@@ -8,11 +8,11 @@ from bridge.drawing.colours import LIGHT
 from bridge.drawing.html import text
 from bridge.report.charts import RUNS, canvas
 from bridge.report.subject import Run
-from bridge.studies.stability.operating import OperatingPoint, edge_curves, left_out, operating_point, sentences
+from bridge.studies.stability.operating import OperatingPoint, edge_curves, operating_point, sentences
 
 CAPTION = (
-    "By linear theory, without friction, about the points where the piston rests and slowly moves: stable below both "
-    "lines, unstable above both, between them by direction and size of the motion. The dot is the run."
+    "By the theory of the reduced drive, with friction, saturation and card: below both lines the loop settles after "
+    "steps of 2, 20 and 60 mm in both directions, above both it swings after all of them. The dot is the run."
 )
 
 
@@ -31,8 +31,8 @@ def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
     top = 1.25 * max(float(np.max(edges)), *(point.gain for _, point in known))
     axis.fill_between(intervals * 1e3, 0.0, edges[:, 0], color=LIGHT["blue"], alpha=0.12, linewidth=0.0)
     axis.fill_between(intervals * 1e3, edges[:, 0], edges[:, 1], color=LIGHT["grey"], alpha=0.25, linewidth=0.0)
-    axis.plot(intervals * 1e3, edges[:, 0], color=LIGHT["blue"], linewidth=1.2, label="stable below")
-    axis.plot(intervals * 1e3, edges[:, 1], color=LIGHT["red"], linewidth=1.2, label="unstable above")
+    axis.plot(intervals * 1e3, edges[:, 0], color=LIGHT["blue"], linewidth=1.2, label="all settle below")
+    axis.plot(intervals * 1e3, edges[:, 1], color=LIGHT["red"], linewidth=1.2, label="all swing above")
     for (run, point), colour in zip(known, RUNS * len(known), strict=False):
         place = point.sample_period * 1e3, point.gain
         axis.plot(*place, "o", color=colour, markeredgecolor="white", markersize=8, label=run.name)
@@ -44,7 +44,7 @@ def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
     axis.set_yticks(rises, labels=[f"{g:g}" for g in rises])
     axis.minorticks_off()
     axis.set_xlabel("sampling interval [ms]", fontsize=9)
-    axis.set_ylabel("gain [V/%]", fontsize=9)
+    axis.set_ylabel(f"gain [{known[0][1].unit}]", fontsize=9)
     axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, frameon=False, ncols=6, borderpad=0.1)
     return figure
 
@@ -52,8 +52,8 @@ def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
 def words(runs: list[Run], names: list[str], points: list[OperatingPoint | None]) -> str:
     """One paragraph per run."""
     parts = []
-    for run, name, point in zip(runs, names, points, strict=True):
-        lines = sentences(point) if point is not None else list(filter(None, [left_out(run.scenario)]))
+    for name, point in zip(names, points, strict=True):
+        lines = sentences(point) if point is not None else []
         if lines:
             lead = f"<b>{text(name)}</b>: " if len(runs) > 1 else ""
             parts.append(f"<p>{lead}{text('. '.join(line[0].upper() + line[1:] for line in lines))}.</p>")

@@ -69,10 +69,10 @@ def shown(outcome: Outcome) -> Outcome:
     """The outcome for people: with a picture, and with where it stands among the stable gains of its loop."""
     if outcome.data is None or outcome.summary is None or outcome.interrupted:
         return outcome
-    from bridge.studies.stability.operating import left_out, operating_point
+    from bridge.studies.stability.operating import operating_point, timing_notes
 
     scenario, metrics = outcome.scenario, outcome.summary.metrics
-    notes = [*outcome.notes, *filter(None, [left_out(scenario)])]
+    notes = [*outcome.notes, *timing_notes(scenario)]
     picture, refused = _picture(scenario, outcome.data)
     point = operating_point(scenario, metrics)
     faults = [*outcome.faults, *refused]

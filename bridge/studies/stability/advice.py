@@ -1,34 +1,36 @@
-"""What the theory says of a scenario's loop: critical gains, margins, how it would swing, and gains to take.
+"""What the theory says of a scenario's loop: which gains settle after which steps, how it swings, and gains to take.
 
-Linear, about the points of `plant`: friction, the card and large swings are not in it. Gains are also given in V per %
+The answer depends on the size of the motion (`amplitude`). The linear theory about the points of `rig_plant`, without
+friction and card, is given beside it: it is that of the smallest motions, with margins. Gains are also given in V per %
 of the stroke, as a scenario writes them.
 """
 
 import math
-from collections.abc import Collection
+from collections.abc import Sequence
 from enum import StrEnum
 from typing import Any, NamedTuple
 
-from bridge.scenario import Scenario, ScenarioError
+from bridge.errors import ScenarioError
+from bridge.scenario import Scenario
+from bridge.scenario.controllers import Pd
 from bridge.scenario.gains import gains
-from bridge.studies.stability.rig_loop import (
-    RigTiming,
-    margins_of,
-    named,
-    suggested,
-    timing_of,
-)
+from bridge.studies.stability.amplitude import ASKED, SwingRange, cycles, lowest_later, swing_range
+from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins_of, named, timing_of
 from bridge.studies.stability.rig_plant import RigPlant, plants
+from bridge.studies.stability.sampled_law import FreeGain, free_gain
 from controller.law import volts_per_percent
 from controller.reference import evaluate
 from controller.stability import Margins
+from controller.stability.amplitude.edges import Interval
 from controller.stability.margins import GAIN_MARGIN
 
-RULE = f"gain margin {GAIN_MARGIN:g} at the worst point; the patient gain tolerates one more sampling period of delay"
+RULE = f"1/{GAIN_MARGIN:g} of the gain below which all settles; the patient one settles with one more period of delay"
+LONGEST = 40  # sampling periods of delay that the linear theory takes: the work grows with the cube
+MOST_DELAY = 50.0  # sampling periods; more are likely a missing unit
 
 
 class Stability(StrEnum):
-    """A loop about all its points."""
+    """A loop after all motions that were tried."""
 
     STABLE = "stable"
     UNSTABLE = "unstable"
@@ -37,7 +39,14 @@ class Stability(StrEnum):
     @property
     def words(self) -> str:
         """For people."""
-        return "stable or unstable, depending on direction and amplitude" if self is Stability.BETWEEN else self.value
+        return WORDS[self]
+
+
+WORDS = {
+    Stability.STABLE: "settles after every motion",
+    Stability.UNSTABLE: "swings after every motion",
+    Stability.BETWEEN: "settles or swings, depending on the motion",
+}
 
 
 class GainInUnits(NamedTuple):
@@ -67,12 +76,42 @@ class PointAdvice(NamedTuple):
     delay_margin: float | None  # [s]
     stable: bool
     swing: Oscillation
+    held_below: float | None  # [m], amplitude up to which friction holds that swing; None: nothing to hold
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""
         gains = ("critical_gain", "critical_derivative", "least_derivative")
         inner = {name: getattr(self, name)._asdict() for name in (*gains, "swing")}
         return self._asdict() | inner
+
+
+class StepAdvice(NamedTuple):
+    """Where the edge of one step lies."""
+
+    size: float  # [m], upwards positive
+    settles_below: GainInUnits
+    swings_above: GainInUnits
+    frequency: float  # [Hz], of the swing at the edge; 0.0: irregular
+    frequencies: tuple[float, float]  # [Hz], least and greatest
+    peak_to_peak: tuple[float, float]  # [m]
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        pairs = {name: getattr(self, name)._asdict() for name in ("settles_below", "swings_above")}
+        return self._asdict() | pairs
+
+
+class RowAdvice(NamedTuple):
+    """What the loop does at one gain, after the steps asked for."""
+
+    gain: GainInUnits
+    swings_after: tuple[float, ...]  # steps [m]
+    peak_to_peak: float  # [m], the largest
+    frequency: float  # [Hz]; 0.0 for an irregular one
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return self._asdict() | {"gain": self.gain._asdict()}
 
 
 class Suggestion(NamedTuple):
@@ -91,33 +130,61 @@ class Advice(NamedTuple):
     """What the theory says of a scenario's loop."""
 
     scenario: str
-    held_at: float  # [m], where the reference ends
+    held_at: float  # [m], where the reference ends: the place of the linear points
+    starts_at: float  # [m], where the steps start
     timing: RigTiming
+    unit: str  # of the free gain: "V/%", or "x" for a factor on the law's answer
     gain: GainInUnits  # the scenario's own
     derivative_gain: GainInUnits
     verdict: Stability
-    points: dict[str, PointAdvice]  # by the name of the point: rest, up, down
+    settles_below: GainInUnits
+    swings_above: GainInUnits
+    steps: tuple[StepAdvice, ...]
+    rows: tuple[RowAdvice, ...]
+    points: dict[str, PointAdvice]  # linear, by the name of the point: rest, up, down; none for laws other than PD
     suggested: Suggestion
+    notes: tuple[str, ...]
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""
+        pairs = ("gain", "derivative_gain", "settles_below", "swings_above")
         return {
             "scenario": self.scenario,
             "held_at": self.held_at,
+            "starts_at": self.starts_at,
             **self.timing._asdict(),
-            "gain": self.gain._asdict(),
-            "derivative_gain": self.derivative_gain._asdict(),
+            "unit": self.unit,
+            **{name: getattr(self, name)._asdict() for name in pairs},
             "verdict": self.verdict,
+            "steps": [step.plain() for step in self.steps],
+            "rows": [row.plain() for row in self.rows],
             "points": {name: point.plain() for name, point in self.points.items()},
             "suggested": self.suggested.plain(),
+            "notes": list(self.notes),
         }
 
 
-def refuse_other_loops(scenario: Scenario) -> None:
-    """Raises ScenarioError for a loop that the theory does not know."""
-    kind = scenario.controller.kind
-    if kind != "pd":
-        raise ScenarioError(f"controller.kind {kind!r}: the theory is that of 'pd'; set controller.kind = 'pd'")
+class CycleAdvice(NamedTuple):
+    """How a relay's loop swings, which has no gain."""
+
+    scenario: str
+    timing: RigTiming
+    verdict: Stability
+    cycles: tuple[tuple[float, float, float], ...]  # step [m], peak to peak [m], frequency [Hz]
+    notes: tuple[str, ...]
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        keys = ("step", "peak_to_peak", "frequency")
+        found = [dict(zip(keys, cycle, strict=True)) for cycle in self.cycles]
+        return {"scenario": self.scenario, **self.timing._asdict(), "verdict": self.verdict, "cycles": found}
+
+
+def refuse_linear(scenario: Scenario) -> None:
+    """Raises ScenarioError for a loop that the linear theory does not know."""
+    if not isinstance(scenario.controller, Pd):
+        kind = scenario.controller.kind
+        raise ScenarioError(f"controller.kind {kind!r}: the linear theory is that of 'pd'; set controller.kind = 'pd'")
     if scenario.rig.valve.kind != "proportional":
         raise ScenarioError("rig.valve.kind 'switching' has no gain; set rig.valve.kind = 'proportional'")
 
@@ -130,39 +197,101 @@ def at_reference_end(scenario: Scenario) -> Scenario:
 
 
 def plants_of(scenario: Scenario) -> dict[str, RigPlant]:
-    """The plants about where the reference ends. Raises ScenarioError where the theory has no answer."""
-    refuse_other_loops(scenario)
+    """The plants about where the reference ends. Raises ScenarioError where the linear theory has no answer."""
+    refuse_linear(scenario)
     try:
         return plants(at_reference_end(scenario))
     except ValueError as error:
         raise ScenarioError(f"{scenario.name}: no linear model: {error}") from None
 
 
-def advise(scenario: Scenario) -> Advice:
-    """Margins and gains to take. Raises ScenarioError where the theory has no answer."""
-    found, timing, own = plants_of(scenario), timing_of(scenario), gains(scenario)
-    of = {name: margins_of(p.plant(), timing, own.proportional, own.derivative) for name, p in found.items()}
-    points = {name: _point(found[name].opening, timing, of[name], scenario) for name in found}
-    least = min(named(margin.critical, timing).gain for margin in of.values())
-    patient = suggested([p.plant() for p in found.values()], timing, own.derivative)
+def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | CycleAdvice:
+    """What the theory says after steps of these sizes [m]. Raises ScenarioError where it has no answer."""
+    if scenario.controller.kind == "relay":
+        return _advise_relay(scenario, sizes)
+    free = free_gain(scenario)
+    found, own = swing_range(scenario, sizes), gains_of(scenario)
+    points, left_out = _linear(scenario)
+    later = min(found.low / GAIN_MARGIN, lowest_later(scenario, found.low))
     return Advice(
         scenario=scenario.name,
         held_at=at_reference_end(scenario).start.position,
-        timing=timing,
-        gain=_gain(own.proportional, scenario),
-        derivative_gain=_gain(own.derivative, scenario),
-        verdict=verdict([point.stable for point in points.values()]),
+        starts_at=scenario.start.position,
+        timing=timing_of(scenario),
+        unit=free.unit,
+        gain=_free(free.own, free),
+        derivative_gain=_gain(own, scenario),
+        verdict=verdict(free.own, found),
+        settles_below=_free(found.low, free),
+        swings_above=_free(found.high, free),
+        steps=tuple(_step(interval, free) for interval in found.intervals),
+        rows=tuple(RowAdvice(_free(r.gain, free), r.swinging, r.peak_to_peak, r.frequency) for r in found.rows),
         points=points,
-        suggested=Suggestion(_gain(least / GAIN_MARGIN, scenario), _gain(patient, scenario), RULE),
+        suggested=Suggestion(_free(found.low / GAIN_MARGIN, free), _free(later, free), RULE),
+        notes=(*_notes(scenario, free), *left_out),
     )
 
 
-def verdict(stable: Collection[bool]) -> Stability:
-    """Of all points: stable at each, at none, or between."""
-    return Stability.STABLE if all(stable) else Stability.BETWEEN if any(stable) else Stability.UNSTABLE
+def gains_of(scenario: Scenario) -> float:
+    """The derivative gain [s/m] of a controller that has one."""
+    return gains(scenario).derivative if isinstance(scenario.controller, Pd) else 0.0
 
 
-def _point(opening: float, timing: RigTiming, found: Margins, scenario: Scenario) -> PointAdvice:
+def verdict(own: float, found: SwingRange) -> Stability:
+    """Of a gain among those that settle."""
+    if own <= found.low:
+        return Stability.STABLE
+    return Stability.UNSTABLE if own >= found.high else Stability.BETWEEN
+
+
+def _advise_relay(scenario: Scenario, sizes: Sequence[float]) -> CycleAdvice:
+    found = cycles(scenario, sizes)
+    swinging = [swing.counts for _, swing in found]
+    stability = Stability.UNSTABLE if all(swinging) else Stability.BETWEEN if any(swinging) else Stability.STABLE
+    rows = tuple((size, swing.peak_to_peak, swing.frequency) for size, swing in found)
+    return CycleAdvice(scenario.name, timing_of(scenario), stability, rows, tuple(timing_notes(scenario)))
+
+
+def _linear(scenario: Scenario) -> tuple[dict[str, PointAdvice], list[str]]:
+    """The linear theory, or why there is none."""
+    timing = timing_of(scenario)
+    if timing.delay > LONGEST * timing.period:
+        return {}, [f"no linear theory: loop.delay {timing.delay:g} s is more than {LONGEST} sampling periods"]
+    try:
+        found, own = plants_of(scenario), gains(scenario)
+        of = {name: margins_of(p.plant(), timing, own.proportional, own.derivative) for name, p in found.items()}
+    except (ValueError, ScenarioError) as error:
+        return {}, [f"no linear theory: {error}"]
+    held = {n: held_amplitude(p, timing, own.proportional, own.derivative) for n, p in found.items()}
+    return {n: _point(p.opening, timing, of[n], scenario, held[n]) for n, p in found.items()}, []
+
+
+def _notes(scenario: Scenario, free: FreeGain) -> list[str]:
+    notes = timing_notes(scenario)
+    if scenario.controller.kind == "python":
+        what = "a factor on its answer" if free.is_factor else "controller.gain"
+        notes.append(f"controller.law {scenario.controller.law!r} itself ran in the reduced loop; free is {what}")
+    return notes
+
+
+def timing_notes(scenario: Scenario) -> list[str]:
+    """A delay of very many periods is likely one without its unit; nothing for a controller that closes no loop."""
+    delay, period = scenario.loop.delay, scenario.loop.sample_period
+    if delay <= MOST_DELAY * period or not scenario.controller.follows:
+        return []
+    return [f"loop.delay is {delay:g} s, {delay / period:.0f} sampling periods: a unit may be missing, as in '10 ms'"]
+
+
+def _step(found: Interval, free: FreeGain) -> StepAdvice:
+    return StepAdvice(found.size, _free(found.low, free), _free(found.high, free), *found[3:])
+
+
+def _free(gain: float, free: FreeGain) -> GainInUnits:
+    """A free gain; of a factor there is no other unit."""
+    return GainInUnits(None if free.is_factor else _finite(gain), _finite(gain / free.per_unit))
+
+
+def _point(opening: float, timing: RigTiming, found: Margins, scenario: Scenario, held: float | None) -> PointAdvice:
     critical, swing = named(found.critical, timing), named(found.dominant, timing)
     return PointAdvice(
         opening=opening,
@@ -175,6 +304,7 @@ def _point(opening: float, timing: RigTiming, found: Margins, scenario: Scenario
         delay_margin=_finite(found.delay_margin * timing.period),
         stable=found.stable,
         swing=Oscillation(swing.kind, swing.frequency),
+        held_below=held,
     )
 
 

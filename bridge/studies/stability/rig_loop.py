@@ -9,18 +9,24 @@ from typing import NamedTuple
 
 from bridge.scenario import Scenario, ScenarioError
 from bridge.scenario.controllers import WithVelocity
+from bridge.studies.stability.rig_plant import RigPlant
 from controller.stability import (
     Margins,
     Onset,
     Plant,
     SampledLoop,
     Timing,
+    closed,
+    dominant,
+    is_stable,
     loop_onset,
     margins,
     sampled_loop,
     suggested_gain,
 )
+from controller.stability.amplitude.describing import held_speed
 
+MOST_DAMPING, HALVINGS = 1e5, 16  # [N s/m], of what friction is compared with
 LATEST = 5.0  # sampling periods, the longest further delay that is looked at
 
 
@@ -79,3 +85,22 @@ def suggested(plants: list[Plant], timing: RigTiming, derivative: float) -> floa
     """A gain [1/m] that keeps a distance at every point; 0.0 where there is none."""
     gain = suggested_gain(plants, derivative, timing.counted())
     return gain if math.isfinite(gain) else 0.0
+
+
+def held_amplitude(point: RigPlant, timing: RigTiming, gain: float, derivative: float) -> float | None:
+    """Amplitude [m] up to which the seal's friction holds a swing that grows without it, by its describing function.
+
+    None for a loop that is stable anyway, and for one that no damping calms.
+    """
+
+    def calm(damping: float) -> bool:
+        return bool(is_stable(closed(loop_of(point.plant(damping), timing), gain, derivative)))
+
+    low, high = 0.0, MOST_DAMPING
+    if calm(low) or not calm(high) or point.friction == 0.0:
+        return None
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if calm(middle) else (middle, high)
+    swing = named(dominant(loop_of(point.plant(), timing), gain, derivative), timing)
+    return held_speed(high, point.friction) / (2.0 * math.pi * swing.frequency) if swing.frequency else None

@@ -21,7 +21,8 @@ from twin.circuit.linear import (
     to_vector,
 )
 from twin.circuit.state import State
-from twin.circuit.step import UPPER, Circuit
+from twin.circuit.step import LOWER, UPPER, Circuit
+from twin.seal import friction_limit
 
 POINTS = ("rest", "up", "down")
 WIDEST = 0.2  # opening [of travel] that is looked for beyond the overlap
@@ -35,6 +36,7 @@ class RigPlant(NamedTuple):
     linear: Plant  # with all the rig's states, in the order of twin.linear.STATES
     opening: float  # of the valve there, beyond the overlap, share of the travel
     mass: float  # [kg], that moves
+    friction: float  # [N], the least of both directions, of a piston that hardly moves
 
     def plant(self, damping: float = 0.0) -> Plant:
         """What a loop can move, with a viscous friction [N s/m] of the piston."""
@@ -87,7 +89,9 @@ def _plant(name: str, point: State, edge: str | None, opening: float, scenario: 
     travel = 1.0 - valve.overlap if scenario.controller.jumps_overlap else 1.0
     a = jacobian(to_vector(point), circuit, edge)
     linear = Plant(a, valve.natural_frequency**2 * travel * entry, position, velocity)
-    return RigPlant(name, linear, opening, circuit.parts.load.mass)
+    sealing = abs(point.ends.pressure[LOWER] - point.ends.pressure[UPPER])
+    friction = min(friction_limit(way, sealing, circuit.parts.seal) for way in (1.0, -1.0))
+    return RigPlant(name, linear, opening, circuit.parts.load.mass, float(friction))
 
 
 def at_rest(scenario: Scenario) -> Scenario:

@@ -15,9 +15,11 @@ from bridge.loop.controller import ControllerSide, sample_of
 from bridge.loop.inlet import SAFE
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
+from bridge.studies.stability.sampled_law import scaled
 from controller.grid import NS, Sampling, is_sample
 from controller.hold import Hold
 from twin.circuit.block import Compiled, block_of, compiled
+from twin.sensors import put_out
 from twin.topology import CHANNELS, OBSERVED
 
 ROWS = 8  # of a trace to a sampling interval, or fewer: every call of the plant costs as much as some steps
@@ -48,11 +50,14 @@ def stand(scenario: Scenario) -> Stand:
     return Stand(compiled(circuit_of(scenario)), rest_of(scenario))
 
 
-def trial(scenario: Scenario, on: Stand) -> Trace:
-    """Run a scenario on a stand of its rig; deterministic."""
+def trial(scenario: Scenario, on: Stand, factor: float = 1.0) -> Trace:
+    """Run a scenario on a stand of its rig; deterministic. factor: on the law's answer."""
     grid = scenario.loop.grid()
     ticks = row_ticks(grid)
     loop, span = _Loop(scenario, on, grid), ticks * grid.daq
+    if factor != 1.0:
+        law = loop.controller.law
+        loop.controller.law = law._replace(answer=scaled(law.answer, factor))
     rows = np.empty((scenario.ticks // ticks + 1, 3))
     for row in range(len(rows)):
         begin = row * span
@@ -95,4 +100,6 @@ class _Loop:
             self._advance(segment.value, (segment.end - segment.begin) // self.grid.step)
 
     def _advance(self, reference: float, steps: int) -> None:
+        daq = self.scenario.daq
+        reference = put_out(reference, daq.output_bits) if daq.quantise_output else reference
         self.plant(self.state, reference, steps, self.acquisition.taps, self.seen)

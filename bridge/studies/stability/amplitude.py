@@ -1,0 +1,185 @@
+"""A scenario's loop as the theory that depends on amplitude takes it, and what that says: which gains settle.
+
+Every run of `controller.stability.amplitude` starts where the scenario starts and follows one step of the reference,
+whatever the scenario's own reference is. The work is bounded: so many motions, members and gains, each run of at most
+some hundred thousand steps. Runs go to two threads, and an interruption is answered between two of them.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bridge.errors import ScenarioError
+from bridge.scenario import Scenario
+from bridge.scenario.circuit import circuit_of
+from bridge.studies.stability.sampled_law import free_gain, law_of
+from controller.stability.amplitude.edges import (
+    MEMBERS,
+    WIDER,
+    Interval,
+    Loop,
+    Member,
+    edge,
+    lasting,
+    spanned,
+    swing,
+)
+from controller.stability.amplitude.reduce import at_rest, reduced
+from controller.stability.amplitude.run import MOST_PERIODS, Card, Course
+from controller.stability.amplitude.swing import Swing
+
+ASKED = (2e-3, 20e-3, 60e-3)  # [m], steps in both directions, unless others are asked for
+FURTHER = (5e-3, 120e-3)  # [m], that also count among all motions
+FEW = MEMBERS[:2]  # of the further ones
+AT = 1.0  # [s], of the step
+QUIET, IN_A_ROW = 1.6, 4  # between gains on the way down, until so many settle: louder ones may, above those that swing
+LEAST = 1e-2  # of the scenario's own gain: no quieter gain is looked for
+ROWS = 9  # of the picture
+THREADS = 2
+
+
+class PictureRow(NamedTuple):
+    """What a gain does after the steps asked for."""
+
+    gain: float
+    swinging: tuple[float, ...]  # the steps [m] after which it swings
+    peak_to_peak: float  # [m], the largest
+    frequency: float  # [Hz], of the largest
+
+
+class SwingRange(NamedTuple):
+    """Which gains settle, in the unit of the free gain times its factor (1/m for a PD)."""
+
+    low: float  # below: no motion that was tried swings
+    high: float  # above: every one does; inf: never all
+    intervals: tuple[Interval, ...]  # of each step asked for, down and up
+    rows: tuple[PictureRow, ...]
+
+
+def loop_of(scenario: Scenario) -> Loop:
+    """The reduced loop. Raises ScenarioError where there is none."""
+    circuit = circuit_of(scenario)
+    timing, daq = scenario.loop, scenario.daq
+    period, delay = timing.sample_period, timing.delay
+    if delay > MOST_PERIODS * period:
+        raise ScenarioError(
+            f"loop.delay {delay:g} s is more than {MOST_PERIODS} sampling periods of {period:g} s; lower it"
+        )
+    drive = reduced(circuit)
+    at = period * math.ceil(round(AT / period, 9))
+    steps = 2.0**daq.bits if daq.quantise else math.inf
+    card = Card(daq.position_range / steps, 2.0 * daq.velocity_range / steps, daq.noise, _output_step(scenario))
+    try:
+        when = Course(period, delay, at, lasting(period, delay))
+    except ValueError as error:
+        raise ScenarioError(f"loop.sample_period {period:g} s: {error}; a unit may be missing, as in '10 ms'") from None
+    return Loop(
+        drive, at_rest(drive, circuit, scenario.start.position, scenario.start.p_upper), law_of(scenario), when, card
+    )
+
+
+def _output_step(scenario: Scenario) -> float:
+    """What the card rounds a command to."""
+    daq: Any = scenario.daq
+    return 2.0 / 2.0**daq.output_bits if getattr(daq, "quantise_output", False) else 0.0
+
+
+def both_ways(scenario: Scenario, sizes: Iterable[float]) -> list[float]:
+    """Steps up and down of these sizes [m], as far as the stroke has room for them."""
+    start, stroke = scenario.start.position, scenario.rig.cylinder.stroke
+    signed = [sign * abs(size) for size in sizes for sign in (1.0, -1.0)]
+    return [size for size in signed if 0.0 < start + size < stroke]
+
+
+def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, members: Sequence[Member] = MEMBERS) -> SwingRange:
+    """Which gains settle after which steps [m]. Raises ScenarioError where there is no answer."""
+    loop, own = loop_of(scenario), free_gain(scenario).own
+    asked = both_ways(scenario, sizes)
+    further = [size for size in both_ways(scenario, (*ASKED, *FURTHER)) if size not in asked]
+    if not asked:
+        raise ScenarioError(
+            f"no step of {', '.join(f'{abs(s) * 1e3:g}' for s in sizes)} mm fits into the stroke from "
+            f"{scenario.start.position * 1e3:g} mm; ask for smaller ones, or set start.position"
+        )
+    first = quiet_gain(loop, [*asked, *further], own)
+    jobs = [(size, member) for size in asked for member in members] + [(size, m) for size in further for m in FEW]
+    edges = threaded(lambda job: edge(loop, *job, first), jobs)
+    by_size = {
+        size: spanned(size, [e for (at, _), e in zip(jobs, edges, strict=True) if at == size]) for size, _ in jobs
+    }
+    low, high = min(i.low for i in by_size.values()), max(i.high for i in by_size.values())
+    rows = picture(loop, asked, low, high, own)
+    return SwingRange(low, high, tuple(by_size[size] for size in asked), tuple(rows))
+
+
+def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[float, Swing]]:
+    """What a law without a gain does after steps [m] of these sizes, both ways."""
+    loop = loop_of(scenario)
+    steps = both_ways(scenario, sizes)
+    return list(zip(steps, threaded(lambda size: swing(loop, 1.0, size), steps), strict=True))
+
+
+def lowest_later(scenario: Scenario, low: float) -> float:
+    """Below which gain all settles with one more sampling period of delay; low: the same without."""
+    times = {"delay": scenario.loop.delay + scenario.loop.sample_period}
+    loop = loop_of(scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)}))
+    sizes = both_ways(scenario, ASKED)
+    return min(e.swings for e in threaded(lambda size: edge(loop, size, MEMBERS[0], 0.3 * low), sizes)) / WIDER
+
+
+def range_over(scenario: Scenario, period: float, own: float) -> tuple[float, float]:
+    """(settles below, swings above) with another sampling period [s], by one member."""
+    times = {"sample_period": period, "command_timeout": max(scenario.loop.command_timeout, 2.0 * period)}
+    changed = scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)})
+    loop, sizes = loop_of(changed), both_ways(scenario, ASKED)
+    first = quiet_gain(loop, sizes, own)
+    found = threaded(lambda size: edge(loop, size, MEMBERS[0], first), sizes)
+    return min(e.swings for e in found) / WIDER, max(e.swings for e in found) * WIDER
+
+
+def quiet_gain(loop: Loop, sizes: Sequence[float], own: float) -> float:
+    """A gain that settles after all these steps, as do IN_A_ROW gains from it on, each QUIET times the last."""
+    gain, quiet = own, 0
+    while gain > LEAST * own:
+        quiet = 0 if any(threaded(lambda size, g=gain: swing(loop, g, size).counts, sizes)) else quiet + 1
+        if quiet == IN_A_ROW:
+            return gain
+        gain /= QUIET
+    return gain
+
+
+def picture(loop: Loop, sizes: Sequence[float], low: float, high: float, own: float) -> list[PictureRow]:
+    """Amplitude and frequency over the gain."""
+    if not math.isfinite(low):
+        return []
+    top = high if math.isfinite(high) else 4.0 * low
+    gains = sorted({*np.geomspace(0.8 * low, 1.25 * top, ROWS).tolist(), own})
+    jobs = [(gain, size) for gain in gains for size in sizes]
+    swings = threaded(lambda job: swing(loop, *job), jobs)
+    return [_row(gain, sizes, [s for (g, _), s in zip(jobs, swings, strict=True) if g == gain]) for gain in gains]
+
+
+def _row(gain: float, sizes: Sequence[float], swings: Sequence[Swing]) -> PictureRow:
+    largest = max(swings, key=lambda s: s.peak_to_peak)
+    swinging = tuple(size for size, s in zip(sizes, swings, strict=True) if s.counts)
+    return PictureRow(gain, swinging, largest.peak_to_peak, largest.frequency)
+
+
+def threaded(function: Callable[[Any], Any], jobs: Iterable[Any]) -> list[Any]:
+    """All results in order; those not begun are dropped when one fails or the user interrupts."""
+    _STOPPED.clear()
+    pool = ThreadPoolExecutor(THREADS)
+    try:
+        return list(pool.map(function, jobs))
+    except BaseException:
+        _STOPPED.set()
+        raise
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+_STOPPED = Event()

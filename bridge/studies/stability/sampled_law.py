@@ -1,0 +1,122 @@
+"""A scenario's control law as the theory of the loop takes it, and the one gain of it that is free.
+
+The free gain is `controller.gain`, all else of the controller unchanged. A function of the user's runs itself, in the
+reduced loop; where it does not mind `controller.gain`, a factor on its answer is free instead.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from bridge.errors import ScenarioError
+from bridge.loop.law import law_of as law_in_loop
+from bridge.scenario import Scenario
+from bridge.scenario.controllers import Relay, WithGains
+from bridge.scenario.gains import law_gains, scale_of
+from controller.law import Law, Sample
+from controller.reference import Target
+from controller.stability.amplitude.linear_law import LinearLaw, of_error, pd_law, relay_law, with_integral
+from controller.stability.amplitude.run import Decide
+
+FACTOR = "x"  # the unit of a factor on a law's answer
+TRIED = 1e-3  # [m], error at which a user's law is asked whether it minds the gain
+SAMPLES = 10  # of it, since a law with a memory may answer late
+
+
+class FreeGain(NamedTuple):
+    """The gain that the theory varies."""
+
+    own: float  # the scenario's, in 1/m or as a factor
+    unit: str  # for people: "V/%" | "x"
+    per_unit: float  # 1/m per unit
+
+    @property
+    def is_factor(self) -> bool:
+        """Is it a factor on the law's answer?"""
+        return self.unit == FACTOR
+
+
+def free_gain(scenario: Scenario) -> FreeGain:
+    """The scenario's. Raises ScenarioError for a law that has none."""
+    settings = scenario.controller
+    if not isinstance(settings, WithGains):
+        raise ScenarioError(f"controller.kind {settings.kind!r} has no gain to advise on; set controller.kind = 'pd'")
+    if scenario.rig.valve.kind == "switching":
+        raise ScenarioError(
+            "rig.valve.kind 'switching' knows three positions and no gain; set rig.valve.kind = 'proportional'"
+        )
+    if _is_foreign(settings) and not _minds_gain(scenario):
+        return FreeGain(1.0, FACTOR, 1.0)
+    scale = scale_of(scenario)
+    own = scale.per_metre(settings.gain)
+    if own <= 0.0:
+        raise ScenarioError(f"controller.gain {settings.gain!r} closes no loop; set a gain above 0")
+    return FreeGain(own, "V/%", scale.per_metre("1 V/%"))
+
+
+def at_gain(scenario: Scenario, gain: float) -> Scenario:
+    """The scenario at a gain [1/m]."""
+    controller = scenario.controller.model_copy(update={"gain": f"{gain!r} 1/m"})
+    return scenario.model_copy(update={"controller": controller})
+
+
+def law_of(scenario: Scenario) -> Callable[[float], LinearLaw | Decide]:
+    """The law afresh, at a gain [1/m], or a factor where `free_gain` says so."""
+    if isinstance(scenario.controller, Relay):
+        relay: Any = law_gains(scenario)
+        linear = relay_law(relay.derivative_time, relay.source, relay.filter_time, relay.sample_period, relay.limit)
+        return lambda _: linear
+    if not _is_foreign(scenario.controller):
+        return lambda gain: _linear(law_gains(at_gain(scenario, gain)))
+    system = getattr(law_in_loop(scenario.controller).answer, "system", None)
+    if system is not None:
+        own: Any = law_gains(scenario)
+        return lambda gain: of_error(*system, gain, own.limit, own.overlap)
+    is_factor = free_gain(scenario).is_factor
+    return lambda gain: _deciding(scenario if is_factor else at_gain(scenario, gain), gain if is_factor else 1.0)
+
+
+def scaled(law: Law, factor: float) -> Law:
+    """A law whose answer is multiplied, and saturated."""
+
+    def answer(sample: Sample, target: Target, memory: Any, gains: Any) -> tuple[float, Any]:
+        spool, memory = law(sample, target, memory, gains)
+        return max(-1.0, min(1.0, factor * spool)), memory
+
+    return answer
+
+
+def _is_foreign(settings: Any) -> bool:
+    """Is it a function of the user's?"""
+    return settings.kind == "python"
+
+
+def _linear(own: Any) -> LinearLaw:
+    """A law of ours with gains: PD, or PID by its further numbers."""
+    timing = own.source, own.filter_time, own.sample_period
+    law = pd_law(own.proportional, own.derivative, *timing, own.limit, own.overlap)
+    if not hasattr(own, "integral"):
+        return law
+    back = own.sample_period / own.tracking_time if own.anti_windup == "back-calculation" else 0.0
+    return with_integral(law, own.sample_period * own.integral, back, own.anti_windup == "clamping")
+
+
+def _deciding(scenario: Scenario, factor: float) -> Decide:
+    law, own = scaled(law_in_loop(scenario.controller).answer, factor), law_gains(scenario)
+    memory: Any = None
+
+    def decide(sample: Sample, target: float) -> float:
+        nonlocal memory
+        spool, memory = law(sample, Target(target, 0.0), memory, own)
+        return spool
+
+    return decide
+
+
+def _minds_gain(scenario: Scenario) -> bool:
+    """Does a user's law answer otherwise with another controller.gain?"""
+    place, own = scenario.start.position, scale_of(scenario).per_metre(scenario.controller.gain)
+    period = round(scenario.loop.sample_period * 1e9)
+    samples = [Sample(k * period, place, 0.0, 67e5, 25e5, 0.0) for k in range(SAMPLES)]
+    laws = [_deciding(at_gain(scenario, factor * own), 1.0) for factor in (1.0, 0.5)]
+    answers = [[law(sample, place + TRIED) for sample in samples] for law in laws]
+    return answers[0] != answers[1]

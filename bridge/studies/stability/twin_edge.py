@@ -1,0 +1,68 @@
+"""The edge of stability of the twin for one step: the smallest gain at which the piston goes on swinging.
+
+The reference steps once; the run lasts 20 s, 200 sampling periods or 10 delays, whichever is longest. It swings if the
+true position varies by more than 0.3 mm, peak to peak, in the last third. Such gains need not be one range: a louder
+loop may settle where a quieter one does not. So the gain rises from far below, by a fixed factor, until a run swings,
+and the last interval is bisected.
+"""
+
+import math
+from typing import Any
+
+from bridge.scenario import Scenario
+from bridge.scenario.references import Step
+from bridge.studies.stability.probe import stand_of
+from bridge.studies.stability.sampled_law import at_gain, free_gain
+from bridge.studies.stability.trial import Stand, trial
+from controller.stability.amplitude.edges import Edge, lasting
+from controller.stability.amplitude.swing import Swing, last_third
+
+RATIO = 1.15  # of the gain, from one run of the scan to the next
+TOLERANCE = 1.02  # of the gain, between settling and swinging
+RANGE = 64.0  # of the first gain, how far the scan goes up and down
+AT = 1.0  # [s], when the reference steps
+
+
+def stepped(scenario: Scenario, size: float) -> Scenario:
+    """The scenario with one step of a size [m] from where it starts."""
+    start, interval, tick = scenario.start.position, scenario.loop.sample_period, scenario.loop.daq_period
+    at = interval * math.ceil(round(AT / interval, 9))
+    length = lasting(interval, scenario.loop.delay)
+    loop = scenario.loop.model_copy(update={"command_timeout": 10.0 * interval})
+    update: dict[str, Any] = {
+        "reference": Step(kind="step", start=start, end=start + size, at=at),
+        "duration": tick * math.ceil(round(length / tick, 6)),
+        "loop": loop,
+    }
+    return scenario.model_copy(update=update)
+
+
+def twin_swing(scenario: Scenario, gain: float, size: float, on: Stand | None = None) -> Swing:
+    """The twin's last third after a step of a size [m], at a free gain."""
+    asked = stepped(scenario, size)
+    if free_gain(scenario).is_factor:
+        trace = trial(asked, on or stand_of(scenario), gain)
+    else:
+        trace = trial(at_gain(asked, gain), on or stand_of(scenario))
+    return last_third(trace.time, trace.position)
+
+
+def step_edge(scenario: Scenario, size: float, first: float, tolerance: float = TOLERANCE) -> Edge:
+    """The edge for a step of a size [m], scanned upwards from a gain `first` that had better be too low."""
+    on = stand_of(scenario)
+    low, high, found = 0.0, first, twin_swing(scenario, first, size, on)
+    while found.counts and high > first / RANGE:  # too high to begin with
+        high /= 2.0
+        found = twin_swing(scenario, high, size, on)
+    if found.counts:
+        return Edge(0.0, high, found.frequency, found.peak_to_peak)
+    while not found.counts:
+        low, high = high, high * RATIO
+        if high > first * RANGE:
+            return Edge(low, math.inf, 0.0, 0.0)
+        found = twin_swing(scenario, high, size, on)
+    while high > low * tolerance:
+        middle = math.sqrt(low * high)
+        between = twin_swing(scenario, middle, size, on)
+        low, high, found = (low, middle, between) if between.counts else (middle, high, found)
+    return Edge(low, high, found.frequency, found.peak_to_peak)
