@@ -40,7 +40,16 @@ def theory() -> None:
         shake(pushed(circuit), circuit, 1e-3)
 
 
-PARTS = {"plant": plant, "theory": theory}
+def amplitude() -> None:
+    """The reduced drive, of the rig as it is and as it was before its calibration, compiled and asked."""
+    from bridge.scenario import load
+    from bridge.studies.stability.amplitude import loop_of
+
+    for name in ("step", "assumed-rig"):
+        loop_of(load(name))
+
+
+PARTS = {"plant": plant, "theory": theory, "amplitude": amplitude}
 
 if __name__ == "__main__":
     PARTS[sys.argv[1]]()

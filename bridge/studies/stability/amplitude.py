@@ -25,6 +25,7 @@ from controller.stability.amplitude.edges import (
     Member,
     edge,
     lasting,
+    nearer,
     spanned,
     swing,
 )
@@ -36,7 +37,7 @@ ASKED = (2e-3, 20e-3, 60e-3)  # [m], steps in both directions, unless others are
 FURTHER = (5e-3, 120e-3)  # [m], that also count among all motions
 FEW = MEMBERS[:2]  # of the further ones
 AT = 1.0  # [s], of the step
-QUIET, IN_A_ROW = 1.6, 4  # between gains on the way down, until so many settle: louder ones may, above those that swing
+QUIET, IN_A_ROW = 1.6, 3  # between gains on the way down, until so many settle: louder ones may, above those that swing
 LEAST = 1e-2  # of the scenario's own gain: no quieter gain is looked for
 ROWS = 9  # of the picture
 THREADS = 2
@@ -106,14 +107,20 @@ def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, members: Seq
             f"{scenario.start.position * 1e3:g} mm; ask for smaller ones, or set start.position"
         )
     first = quiet_gain(loop, [*asked, *further], own)
-    jobs = [(size, member) for size in asked for member in members] + [(size, m) for size in further for m in FEW]
-    edges = threaded(lambda job: edge(loop, *job, first), jobs)
-    by_size = {
-        size: spanned(size, [e for (at, _), e in zip(jobs, edges, strict=True) if at == size]) for size, _ in jobs
-    }
+    sizes = [*asked, *further]
+    starts = threaded(lambda size: edge(loop, size, members[0], first), sizes)
+    jobs = [(s, nearer(e, first), m) for s, e in zip(sizes, starts, strict=True) for m in _rest(s in asked, members)]
+    others = threaded(lambda job: edge(loop, job[0], job[2], job[1]), jobs)
+    edges = [*zip(sizes, starts, strict=True), *((job[0], e) for job, e in zip(jobs, others, strict=True))]
+    by_size = {size: spanned(size, [e for at, e in edges if at == size]) for size in sizes}
     low, high = min(i.low for i in by_size.values()), max(i.high for i in by_size.values())
     rows = picture(loop, asked, low, high, own)
     return SwingRange(low, high, tuple(by_size[size] for size in asked), tuple(rows))
+
+
+def _rest(is_asked: bool, members: Sequence[Member]) -> Sequence[Member]:
+    """The members after the first, few of them for a step that nobody asked for."""
+    return members[1:] if is_asked else FEW[1:]
 
 
 def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[float, Swing]]:

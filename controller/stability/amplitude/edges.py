@@ -20,7 +20,7 @@ from controller.stability.amplitude.swing import Swing, last_third
 SECONDS, PERIODS, DELAYS = 20.0, 200.0, 10.0  # of a run, the longest of them
 LONGEST, LEAST = 400.0, 20.0  # but at most so many seconds, or so many periods
 SLOWEST = 20.0  # [s], a sampling period
-RATIO = 1.15  # of the gain, from one run of a scan to the next
+RATIO = 1.25  # of the gain, from one run of a scan to the next
 TOLERANCE = 1.04  # of the gain, between settling and swinging
 UP, DOWN = 300.0, 10.0  # times the first gain, how far is searched
 BACK = 0.4  # of the first member's edge, where the others start: theirs may be much lower
@@ -112,9 +112,13 @@ def edge(loop: Loop, size: float, member: Member, first: float) -> Edge:
 def interval(loop: Loop, size: float, first: float, members: Sequence[Member] = MEMBERS, each: Map = map) -> Interval:
     """The interval of a step, searched from a gain `first` that should settle."""
     start = edge(loop, size, members[0], first)
-    near = BACK * start.swings if math.isfinite(start.swings) else first
-    found = [start, *each(lambda member: edge(loop, size, member, near), members[1:])]
-    return spanned(size, found)
+    near = nearer(start, first)
+    return spanned(size, [start, *each(lambda member: edge(loop, size, member, near), members[1:])])
+
+
+def nearer(found: Edge, first: float) -> float:
+    """Where the search of the other members starts."""
+    return max(first, BACK * found.swings) if math.isfinite(found.swings) else first
 
 
 def spanned(size: float, found: Sequence[Edge]) -> Interval:
