@@ -126,7 +126,7 @@ def test_check_passes_good_scenarios_and_writes_junit(tmp_path):
 def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
     done = hydrotwin_here("check", "step", "--set", "controller.gain=8", "--junit", "j.xml", cwd=tmp_path)
     assert done.returncode == 1
-    assert "limit cycle: none" in done.stdout
+    assert "limit cycle amplitude <= 0.4 mm" in done.stdout
     assert "FAILED" in done.stdout
     messages = [failure.get("message") or "" for failure in ET.parse(tmp_path / "j.xml").getroot().iter("failure")]
     assert any("mm, at" in message and "Hz" in message for message in messages)
@@ -139,9 +139,11 @@ def test_check_passes_the_other_built_in_scenarios(name, tmp_path):
 
 
 def test_the_stable_gain_of_slow_sampling_is_stable_at_a_millisecond(tmp_path):
-    fast = ("--set", "loop.sample_period=0.001", "--set", "expect=['limit cycle: none']")
+    """Apart from the hops across the overlap, which the compensation makes of the least error whatever the gain."""
+    hops = "expect=['limit cycle amplitude <= 0.4 mm']"
+    fast = ("--set", "loop.sample_period=0.001", "--set", hops)
     assert hydrotwin_here("check", "slow-sampling", *fast, cwd=tmp_path).returncode == 0
-    prompt = ("--set", "loop.delay=0", "--set", "expect=['limit cycle: none']")
+    prompt = ("--set", "loop.delay=0", "--set", hops)
     assert hydrotwin_here("check", "delay", *prompt, cwd=tmp_path).returncode == 0
 
 
