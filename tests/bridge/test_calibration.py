@@ -12,7 +12,7 @@ from bridge.studies.calibration.choices import CHOICES, chosen, of_the_rig, over
 from bridge.studies.calibration.facts import FACTS, evaluate, misses
 from twin.rig import RIG
 
-MISSED = {  # no choice meets them together with 0.38 m/s: docs/calibration.md
+MISSED = {  # nothing tried meets them together with 0.38 m/s: docs/calibration.md
     "restart: peak of p2": 82.0,
     "impingement: greatest p3": 33.0,
     "impingement: greatest p2": 92.0,

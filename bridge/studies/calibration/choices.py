@@ -26,21 +26,21 @@ class Choice(NamedTuple):
 
 CHOICES = (
     Choice("seal.diameter", 82e-3, 32e-3, 82e-3, "rod seal alone .. a seal each on piston and rod"),
-    Choice("seal.downward", 1.0, 0.7, 1.4, "2.3: not the same up and down; nothing else survives"),
+    Choice("seal.downward", 1.0, 0.7, 1.4, "2.3: not the same up and down; assumed range"),
     Choice("cylinder.leakage_resistance", 1.04e12, 1.04e12, 1.04e13, "Table 2.1, exponent 7 or 8 in bar s/m^3", True),
-    Choice("switching_valve.switching_time", 30e-3, 20e-3, 90e-3, "4WE 10 with DC magnets: 45 to 60 ms, data sheets"),
-    Choice("switching_valve.return_time", 30e-3, 15e-3, 60e-3, "by springs: 20 to 30 ms, data sheets"),
-    Choice("switching_valve.cylinder_opens", 0.0, 0.0, 0.6, "lands of a spool overlap by up to half of its travel"),
-    Choice("switching_valve.idle_shuts", 1.0, 0.4, 1.0, "lands of a spool overlap by up to half of its travel"),
-    Choice("switching_valve.rated_drop", 5e5, 2e5, 8e5, "4WE 10 at 60 l/min: 2 to 8 bar by spool, data sheets"),
-    Choice("pipe_3.wall", 5e-3, 3e-3, 8e-3, "hoses of 11 mm: 17 to 27 mm outside"),
+    Choice("switching_valve.switching_time", 30e-3, 20e-3, 90e-3, "assumed range; DC magnets: 45 to 60 ms"),
+    Choice("switching_valve.return_time", 30e-3, 15e-3, 60e-3, "assumed range; by springs: 20 to 30 ms"),
+    Choice("switching_valve.cylinder_opens", 0.0, 0.0, 0.6, "assumed range: lands of a spool overlap"),
+    Choice("switching_valve.idle_shuts", 1.0, 0.4, 1.0, "assumed range: lands of a spool overlap"),
+    Choice("switching_valve.rated_drop", 5e5, 2e5, 8e5, "assumed range at 60 l/min, by spool"),
+    Choice("pipe_3.wall", 5e-3, 3e-3, 8e-3, "assumed range; hoses of 11 mm: 17 to 27 mm outside"),
     *(
-        Choice(f"{pipe}.length", prior, 0.5, 4.0, "a rig that stands in one room")
+        Choice(f"{pipe}.length", prior, 0.5, 4.0, "assumed range: a rig that stands in one room")
         for pipe, prior in LENGTHS.items()
     ),
-    Choice("pump.efficiency_pressure", 35e5, 20e5, 55e5, "pressures of the pump while the piston rises"),
-    Choice("start.position", 0.1, 0.09, 0.13, "below the 138 mm of the contact"),
-    Choice("relief.nozzle_diameter", 0.8e-3, 0.5e-3, 0.9e-3, "an orifice beside two of 0.6 mm"),
+    Choice("pump.efficiency_pressure", 35e5, 20e5, 55e5, "assumed range: pressures while the piston rises"),
+    Choice("start.position", 0.1, 0.09, 0.13, "assumed range, below the 138 mm of the contact"),
+    Choice("relief.nozzle_diameter", 0.8e-3, 0.5e-3, 0.9e-3, "assumed range; the others have 0.6 mm"),
 )  # fmt: skip
 HOSES = ("pipe_3", "pipe_4", "pipe_6")  # have one wall
 

@@ -51,7 +51,7 @@ FACTS = (
     Fact("relief flow after contact", "l/min", 0.5, 40.0, 0.5, "2.6: it opens"),
     Fact("relief flow, 0.2 s later", "l/min", 0.0, 0.0, 0.5, "2.6: it shuts again"),
     Fact("greatest p1", "bar", 0.0, 100.0, 5.0, "Fig. 2.29: axis"),
-    Fact("contact after the command", "ms", 94.0, 114.0, 5.0, "2.6: 0.976 s, 1.08 s; from 100 mm, assumed"),
+    Fact("contact after the command", "ms", 94.0, 114.0, 5.0, "2.6: 0.976 s, 1.08 s; the start, assumed, fits it"),
     Fact("force of 2.18", "N", 20.0, 25.0, 0.5, "Fig. 2.18: axis, at 0.2 mm and 100 bar"),
 )
 
