@@ -62,7 +62,7 @@ def test_up_weight_hold_restart_stop_and_bypass_come_in_order(speed: int):
     assert (run.mass[run.time < contact] == 120.0).all()
     assert (run.mass[run.time > contact + 0.02] == 303.0).all()
     held = run.position[between(run.time, START + LIFT[speed] + 0.4, RESTART[speed])]
-    assert ((held > 0.17) & (held < 0.19)).all()  # the middle
+    assert np.abs(held - 0.5 * (0.138 + 0.27)).max() < 0.1 * (0.27 - 0.138)  # half-way from the support to the stop
     assert run.p1[run.time > impact + 0.4].mean() == pytest.approx(67 * BAR, abs=1 * BAR)
     assert run.relieved[run.time > impact + 0.4].min() > 0.0
     assert run.relieved[run.time < START].max() == 0.0

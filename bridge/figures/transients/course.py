@@ -21,7 +21,7 @@ from twin.circuit.reading import moments
 from twin.topology import OBSERVED
 
 SPEEDS = (502, 800, 1035, 1230)  # [rpm]
-LIFT = {502: 0.69, 800: 0.39, 1035: 0.29, 1230: 0.24}  # [s] up: from 100 mm to about the middle, with the weight
+LIFT = {502: 0.69, 800: 0.39, 1035: 0.29, 1230: 0.24}  # [s] up: to about half-way from the weight to the stop
 START, LENGTH = 0.971, 4.5  # [s], start as in the load change
 RESTART = {502: 3.0, 800: 2.595, 1035: 2.595, 1230: 2.595}  # [s], as in the impingement; the slowest as in the thesis
 SWITCHING = 1e-3  # [s] between two rows of a table

@@ -58,10 +58,10 @@ def draw_experiment() -> tuple[Columns, Sheet]:
 def _name_events(axes: Axes) -> None:
     """What happens, compared with the piston's way at full speed."""
     for time, place, words, side in (
-        (0.97, 118.0, "up, 120 kg", "right"),
+        (0.97, 130.0, "up, 120 kg", "right"),
         (1.16, 138.0, "183 kg join at 138 mm", "left"),
-        (1.27, 199.0, "hold: the load sinks by the leak", "left"),
-        (2.6, 199.0, "up", "center"),
+        (1.27, 214.0, "hold: the load sinks by the leak", "left"),
+        (2.6, 214.0, "up", "center"),
         (2.95, 250.0, "upper stop, the relief valve bypasses", "left"),
     ):
         axes.text(time, place, words, fontsize=8, color="0.25", ha=side, va="center")
@@ -86,7 +86,7 @@ def _name_taps(axes: Axes) -> None:
 def draw_load_change() -> tuple[Columns, Sheet]:
     """Figure 2.29."""
     return _draw(
-        load_change(), "2.29  Load change: 120 kg, then 183 kg more from 138 mm on, pump at 1230 rpm", (90.0, 250.0)
+        load_change(), "2.29  Load change: 120 kg, then 183 kg more from 138 mm on, pump at 1230 rpm", (90.0, 285.0)
     )
 
 
