@@ -151,15 +151,16 @@ def test_the_viscosity_table_holds_the_fitted_curve_of_its_own_constants():
 
 def test_friction_at_constant_speed_is_the_law(exact: Readings):
     """Less the inertia of what the speed changes over a window. 0.3 %: a speed that still swings by up to 1 % is seen
-    in broken periods, at 5 ms, and its friction by a falling curve."""
+    in broken periods, at 5 ms, and its friction by a falling curve. 0.3 N: so is the inertia of the swing, which does
+    not fall with the friction; 334 kg, 1 % of 30 mm/s at 10 Hz are 6 N."""
     seal, steady = rig_seal(), exact.steady
     change = np.array([run.taps[-1, 1, 1] - run.taps[0, 1, 1] for run in runs()])
     force = exact.force - exact.mass * change / ((SAMPLES - 1) * SAMPLE * STEP)
     law = [friction(v, p, seal)[0] * math.copysign(1.0, v) for v, p in zip(exact.speed, exact.sealing, strict=True)]
-    assert force[steady] == pytest.approx(np.array(law)[steady], rel=3e-3)
-    calm = steady & (exact.spread < 1e-6 * np.abs(exact.speed))
+    assert force[steady] == pytest.approx(np.array(law)[steady], rel=3e-3, abs=0.3)
+    calm = steady & (exact.spread < 1e-5 * np.abs(exact.speed))  # its inertia is some 1e-5 of the least friction
     assert calm.sum() >= 20
-    assert exact.force[calm] == pytest.approx(law_force(exact.speed, exact.sealing, seal)[calm], rel=1e-6)
+    assert exact.force[calm] == pytest.approx(law_force(exact.speed, exact.sealing, seal)[calm], rel=2e-5)
 
 
 def test_the_test_covers_all_loads_both_ways_and_the_limit(exact: Readings):
@@ -170,7 +171,8 @@ def test_the_test_covers_all_loads_both_ways_and_the_limit(exact: Readings):
     z, g = factor(exact, rig_seal())
     plateau = exact.steady & (np.abs(z) < rig_seal().plateau)
     assert plateau.any()
-    assert np.abs(g[plateau]) == pytest.approx(RIG["seal"]["limit"].value, rel=1e-6)
+    swing = exact.spread[plateau] / np.abs(exact.speed[plateau])  # means of a swing err by its square
+    assert (np.abs(np.abs(g[plateau]) / RIG["seal"]["limit"].value - 1.0) < np.maximum(1e-6, swing**2)).all()
 
 
 def test_exact_readings_give_the_power_law_back(exact: Readings):
