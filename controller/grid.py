@@ -66,3 +66,13 @@ def last_due(time: int, grid: Sampling) -> int | None:
     """Stamp of the last sample whose command acts before `time`; None if there is none yet."""
     since = time - 1 - grid.delay - grid.offset
     return None if since < 0 else grid.offset + since // grid.sample * grid.sample
+
+
+def number_due(time: int, grid: Sampling) -> int:
+    """How many samples have a command that acts before `time`."""
+    return max(0, (time - 1 - grid.delay - grid.offset) // grid.sample + 1)
+
+
+def next_sample(time: int, grid: Sampling) -> int:
+    """Stamp of the first sample at `time` or after it."""
+    return grid.offset + max(0, -(-(time - grid.offset) // grid.sample)) * grid.sample

@@ -21,6 +21,8 @@ def print_summary(outcome: "Outcome") -> None:
     """The summary of a run."""
     summary = outcome.summary
     console = Console()
+    for fault in outcome.faults:  # the reason first: it is what people look for
+        console.print(plain_text(f"FAILED: {fault}", "red"), soft_wrap=True)
     if summary is not None:
         words = plain_text(f" {outcome.options.mode}: {summary.ending}")
         console.print(plain_text(summary.scenario, "bold") + words, soft_wrap=True)
@@ -30,8 +32,6 @@ def print_summary(outcome: "Outcome") -> None:
             console.print(plain_text(line), soft_wrap=True)
     for note in outcome.notes:
         console.print(plain_text(note, "yellow"), soft_wrap=True)
-    for fault in outcome.faults:
-        console.print(plain_text(fault, "red"), soft_wrap=True)
     if outcome.recording:
         console.print(plain_text(f"recording  {outcome.recording}"), soft_wrap=True)
     if outcome.picture:
@@ -63,9 +63,10 @@ def _counts(summary: "Summary") -> Iterable[str]:
         burst = f"most ticks caught up {overruns.burst}"
         yield f"overruns   {overruns.number}, longest {overruns.worst * 1e3:.2f} ms, {burst}"
     if commands := summary.commands:
+        taken = "" if commands.taken is None else f", {commands.taken} taken"
         refused = ", ".join(f"{count} {reason}" for reason, count in commands.refused.items()) or "none"
         worst = f" (worst {commands.worst_lateness * 1e3:.2f} ms)" if commands.late else ""
-        yield f"commands   {commands.sent} sent, {commands.late} late{worst}; refused: {refused}"
+        yield f"commands   {commands.sent} sent{taken}, {commands.late} late{worst}; refused: {refused}"
     lost = ", ".join(f"{count} {topic}" for topic, count in summary.lost.items()) or "none"
     yield f"lost       {lost}; safe states: {summary.safe_states}"
 
@@ -74,11 +75,11 @@ def print_checks(results: "list[CheckResult]") -> None:
     """The verdicts of `hydrotwin check`."""
     rows = []
     for result in results:
+        rows += [(result.scenario.name, fault, "", Text("FAILED", "red")) for fault in result.faults]
         for verdict in result.verdicts:
             mark = Text("passed", "green") if verdict.passed else Text("FAILED", "red")
             rows.append((result.scenario.name, verdict.text, verdict.found, mark))
         rows += [(result.scenario.name, note, "", Text("note", "yellow")) for note in result.notes]
-        rows += [(result.scenario.name, fault, "", Text("FAILED", "red")) for fault in result.faults]
     print_table(("scenario", "expected", "found", ""), rows)
 
 

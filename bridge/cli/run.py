@@ -15,6 +15,7 @@ from bridge.cli.options import (
     Mode,
 )
 from bridge.cli.outputs import print_json, write_text
+from bridge.errors import UsageError
 
 RECORD = Annotated[
     Path | None,
@@ -92,14 +93,20 @@ def check(
     """Run scenarios headless and judge the bands they state; for CI."""
     from bridge.scenario import load
 
-    loaded = [load(name, changes) for name in scenarios]
-    from bridge.cli.printing import print_checks
-    from bridge.runs.check import check_scenario, junit_xml, refuse_windows
-    from bridge.scenario.circuit import circuit_of
+    try:
+        loaded = [load(name, changes) for name in scenarios]
+        from bridge.runs.check import refuse_windows
+        from bridge.runs.run import ready_to_run
 
-    for scenario in loaded:
-        circuit_of(scenario)  # all are good, or none is run
-        refuse_windows(scenario)
+        for scenario in loaded:
+            ready_to_run(scenario)  # all are good, or none is run
+            refuse_windows(scenario)
+    except UsageError as error:
+        _write_refusal(junit, scenarios, str(error))
+        raise
+    from bridge.cli.printing import print_checks
+    from bridge.runs.check import check_scenario, junit_xml
+
     results = []
     for scenario in loaded:
         results.append(check_scenario(scenario, mode, output))
@@ -111,3 +118,11 @@ def check(
     else:
         print_checks(results)
     raise typer.Exit(0 if written and all(result.passed for result in results) else 1)
+
+
+def _write_refusal(junit: Path | None, scenarios: list[str], reason: str) -> None:
+    """Whoever reads the JUnit file must not find an earlier one there."""
+    if junit is not None:
+        from bridge.runs.check import refused_xml
+
+        write_text(junit, refused_xml(scenarios, reason))

@@ -19,10 +19,7 @@ def exchange(
     """The messages of each tick, the controller's answers included; `lean`: measurements and answers alone."""
     out = plant.start()
     while plant.tick_number < ticks and not stopped():
-        answers = controller.answer(plant.measurement)
-        for answer in answers:
-            if answer.topic == "command":
-                plant.take(answer.message)
+        answers = _answers(plant, controller)
         for event in out:
             if event.topic == "event":
                 controller.heed(event.message)
@@ -30,7 +27,16 @@ def exchange(
         out = plant.tick(lean)
     ticks_run = plant.tick_number
     ending = Ending.COMPLETE if ticks_run == ticks else Ending.INTERRUPTED
-    yield out + controller.answer(plant.measurement) + plant.finish(last_words(ending, ticks_run))
+    yield out + _answers(plant, controller) + plant.finish(last_words(ending, ticks_run))
+
+
+def _answers(plant: PlantSide, controller: ControllerSide) -> list[Outgoing]:
+    """What the controller says to the newest measurement; its command is with the plant then."""
+    answers = controller.answer(plant.measurement)
+    for answer in answers:
+        if answer.topic == "command":
+            plant.take(answer.message)
+    return answers
 
 
 def sides(scenario: Scenario) -> tuple[PlantSide, ControllerSide]:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from bridge.loop.safety import Gate, Watchdog
 from bridge.scenario import Scenario
 from bridge.wire.messages import EventKind, Reason, refusal
-from controller.grid import NS, to_ns
+from controller.grid import NS, next_sample, to_ns
 from controller.hold import Hold, Segment
 
 SAFE = 0.0  # spool reference of the safe state: valve centred
@@ -31,12 +31,13 @@ class Inlet:
 
     def __init__(self, scenario: Scenario, run_id: int) -> None:
         loop = scenario.loop
-        grid = loop.grid()
+        self._grid = grid = loop.grid()
         self.late = 0
         self.worst_lateness = 0
         self._gate = Gate(run_id, grid)
         self._watchdog = Watchdog(to_ns(loop.command_timeout), grid, loop.after_timeout == "latch")
         self._hold = Hold(SAFE)
+        self._first_due = next_sample(0, grid) + grid.delay  # of a controller that has not spoken yet [ns]
         self._notes: list[Note] = []
 
     @property
@@ -65,16 +66,13 @@ class Inlet:
         return self._gate.refused
 
     @property
-    def last_sample(self) -> int:
-        """Stamp of the last sample that was answered [ns]; -1 before."""
-        return self._gate.last_sample
+    def answered(self) -> int:
+        """Stamp of the last sample that was answered, by a command that was taken or by a bad one [ns]; -1 before."""
+        return self._gate.answered
 
     def offer(self, command: Any, now: int) -> bool:
         """Take a command; False when it is refused."""
-        if self._watchdog.blocks():
-            refused = self._gate.refuse(Reason.LATCHED, "the plant is in its safe state until reset")
-        else:
-            refused = self._gate.check(command, now)
+        refused = self._gate.check(command, now, self._watchdog.blocks())
         if refused is not None:
             self._note_refusal(*refused, command.source, command.sequence, command.apply_at)
             return False
@@ -95,6 +93,7 @@ class Inlet:
         if self.safe:
             self._watchdog.clear()
             self._gate.release(now)
+            self._first_due = next_sample(now, self._grid) + self._grid.delay
             self.note(EventKind.RESET, "safe state left by reset")
 
     def segments(self, begin: int, end: int) -> list[Segment]:
@@ -110,16 +109,21 @@ class Inlet:
         return notes
 
     def _watch(self, begin: int, end: int) -> None:
-        if self._gate.last_apply < 0 or self.safe:
+        if self.safe:
             return
-        at = self._watchdog.trip_at(self._gate.last_apply)
-        if at < end:
-            at = max(at, begin)
-            self._watchdog.trip()
+        owned = self._gate.owner is not None
+        at = self._watchdog.trip_at(self._gate.last_apply + self._grid.sample if owned else self._first_due)
+        if at >= end:
+            return
+        at, timeout = max(at, begin), self._watchdog.timeout / NS
+        self._watchdog.trip(owned)
+        if owned:
             self._gate.release(at)
             self._hold.put(at, SAFE)
-            timeout = self._watchdog.timeout / NS
-            self.note(EventKind.SAFE, f"no command for {timeout:g} s: valve centred", applied_at=at)
+            text = f"no command for {timeout:g} s: valve centred"
+        else:  # centred it is already, so whoever speaks first will be heard
+            text = f"no valid command within {timeout:g} s of the first that was due: the valve stays centred"
+        self.note(EventKind.SAFE, text, applied_at=at)
 
     def note(
         self, kind: EventKind, text: str, source: int = 0, command: int = 0, apply_at: int = 0, applied_at: int = 0

@@ -15,7 +15,8 @@ from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
 from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap
-from controller.grid import NS, last_due
+from bridge.wire.status import PlantStatus, Reading
+from controller.grid import NS, last_due, next_sample
 from twin.circuit.block import block_of, compiled
 from twin.sensors import put_out
 from twin.topology import CHANNELS, OBSERVED, PRESSURES
@@ -58,7 +59,11 @@ class PlantSide:
     def awaited(self) -> int | None:
         """Stamp of the sample whose command the next block cannot do without; None when it has all."""
         due = last_due(self.now + self.grid.daq, self.grid)
-        return due if due is not None and due > self.inlet.last_sample else None
+        return due if due is not None and due > self.inlet.answered else None
+
+    def unanswered(self) -> bool:
+        """Is there a sample whose command has not come yet?"""
+        return next_sample(self.inlet.answered + 1, self.grid) <= self.now
 
     def receive(self, payload: bytes, kind: str = "") -> Any:
         """Take a command from the wire; `kind` is the type it claims. The command if it was taken, else None."""
@@ -86,6 +91,20 @@ class PlantSide:
             self._run(segment.value, (segment.end - segment.begin) // self.grid.step)
         self.tick_number += 1
         return [self._measure()] if lean else self._messages()
+
+    def status(self) -> PlantStatus:
+        """How it is doing."""
+        inlet, m = self.inlet, self.measurement
+        return PlantStatus(
+            tick=self.tick_number,
+            ticks=self.scenario.ticks,
+            commands=inlet.accepted,
+            late=inlet.late,
+            worst_late=inlet.worst_lateness / NS,
+            safe_states=inlet.safe_states,
+            reading=None if m is None else _reading(m, inlet.value),
+            refused={reason.value: count for reason, count in inlet.refused.items()},
+        )
 
     def finish(self, text: str) -> list[Outgoing]:
         """The last words."""
@@ -148,3 +167,7 @@ class PlantSide:
             out.append(Outgoing(topic, self.now, self._count(topic), pressure))
         out.append(self._lines.message(self._state, self._count("lines"), self.tick_number, self.now))
         return out
+
+
+def _reading(measurement: Any, spool: float) -> Reading:
+    return Reading(measurement.position, tuple(getattr(measurement, name) for name in PRESSURES), spool)

@@ -20,6 +20,7 @@ class Refusal(NamedTuple):
 
 
 Objection = tuple[Reason, str]
+ANSWERS = (Reason.NOT_FINITE, Reason.OUT_OF_RANGE, Reason.FAR_FUTURE, Reason.OFF_THE_GRID, Reason.LATCHED)  # bad ones
 
 
 class Gate:
@@ -34,6 +35,7 @@ class Gate:
         self.last_sequence = -1
         self.last_sample = -1
         self.last_apply = -1
+        self.answered = -1  # stamp of the last sample that was answered, well or badly [ns]
         self.in_force = -1  # since when the present value has acted [ns]
 
     def refuse(self, reason: Reason, text: str) -> Refusal:
@@ -41,16 +43,24 @@ class Gate:
         self.refused[reason] = self.refused.get(reason, 0) + 1
         return Refusal(reason, text)
 
-    def check(self, command: Any, now: int) -> Refusal | None:
-        """None when the command is taken; `now` is the simulated time reached [ns]."""
-        for test in (self._run, self._value, self._owner, self._time, self._order):
+    def check(self, command: Any, now: int, latched: bool = False) -> Refusal | None:
+        """None when the command is taken; `now` is the simulated time reached [ns], `latched`: none can be."""
+        for test in (self._run, self._value, self._owner, self._time, _latched if latched else self._order):
             if (refusal := test(command, now)) is not None:
+                self._note_answer(command, now, refusal[0])
                 return self.refuse(*refusal)
         self.owner = command.source
         self.last_sequence, self.last_sample = command.sequence, command.sample_stamp
         self.last_apply = command.apply_at
+        self.answered = max(self.answered, command.sample_stamp)
         self.accepted += 1
         return None
+
+    def _note_answer(self, command: Any, now: int, reason: Reason) -> None:
+        """A refused command answers its sample, too, where it is refused for what it says."""
+        ours = self.owner is None or command.source == self.owner
+        if ours and reason in ANSWERS and command.sample_stamp <= now:
+            self.answered = max(self.answered, command.sample_stamp)
 
     def release(self, since: int) -> None:
         """Let anybody own the plant from an instant on [ns]; what was to act before it is of no use any more."""
@@ -98,6 +108,10 @@ class Gate:
         return None
 
 
+def _latched(command: Any, now: int) -> Objection:
+    return Reason.LATCHED, "the plant is in its safe state until reset"
+
+
 class Watchdog:
     """Safe state after `timeout` [ns of simulated time] without the command that was due."""
 
@@ -107,20 +121,21 @@ class Watchdog:
         self.latching = latching
         self.safe = False
         self.trips = 0
+        self._latched = False
 
-    def trip_at(self, last_apply: int) -> int:
-        """When patience ends [ns, whole steps]: the next command was due one sample period after the last."""
-        at = last_apply + self.grid.sample + self.timeout
-        return -(-at // self.grid.step) * self.grid.step
+    def trip_at(self, due: int) -> int:
+        """When patience ends [ns, whole steps] for the command that is to act at `due`."""
+        return -(-(due + self.timeout) // self.grid.step) * self.grid.step
 
-    def trip(self) -> None:
-        """Enter the safe state."""
+    def trip(self, owned: bool) -> None:
+        """Enter the safe state; only where a controller `owned` the plant there is anything to latch."""
         self.safe = True
         self.trips += 1
+        self._latched = self.latching and owned
 
     def blocks(self) -> bool:
         """Does the latch keep commands out?"""
-        return self.safe and self.latching
+        return self.safe and self._latched
 
     def clear(self) -> None:
         """Leave the safe state: by reset, or because commands have resumed."""

@@ -34,12 +34,13 @@ def ticks(
 
 
 class Overruns:
-    """Ticks that came more than a period late: how many times, how long, how many ticks each cost."""
+    """Ticks that came a period or more late: how many, how many times in a row, how long, how many in the worst row."""
 
     def __init__(self, period_ns: float, grace_ns: float) -> None:
         self.period = period_ns
         self.grace = grace_ns
         self.count = 0
+        self.ticks = 0  # that were late; a row of them counts once in `count`
         self.worst = 0  # [ns]
         self.burst = 0  # most ticks that had to be caught up in a row
         self._running = 0
@@ -50,6 +51,7 @@ class Overruns:
             self._running = 0
             return
         self.count += self._running == 0
+        self.ticks += 1
         self._running += 1
         self.worst = max(self.worst, lateness)
         self.burst = max(self.burst, self._running)

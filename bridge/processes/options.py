@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 from bridge.wire.messages import Mode
 
+SLOW = "did not exit within"  # how a fault reads that follows from another one
+
 
 class RunOptions(NamedTuple):
     """What a person chooses in addition to the scenario; in one process only mode and recording count."""

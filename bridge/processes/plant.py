@@ -18,12 +18,12 @@ from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, ready
 from bridge.wire.link import Link
 from bridge.wire.messages import Ending, Mode, Outgoing, Phase, last_words
-from bridge.wire.status import Pace, PlantReport, PlantStatus, Reading
+from bridge.wire.status import Pace, PlantReport, PlantStatus
 from controller.grid import NS, is_sample
-from twin.topology import PRESSURES
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
+LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
 LINGER = 5.0  # seconds that partners get to finish
 
 
@@ -102,6 +102,14 @@ class PlantProcess:
             if self._await_command():
                 self._publish(self.side.tick())
             self._report_when_due(time.monotonic_ns())
+        self._take_last()
+
+    def _take_last(self) -> None:
+        """Hear the answer to the last sample, too: it acts no more, but it may be one to refuse."""
+        deadline = time.monotonic() + LAST_ANSWER
+        while self.side.unanswered() and time.monotonic() < deadline and not self.stop():
+            with suppress(queue.Empty):
+                self._handle(self._commands.get(timeout=0.1))
 
     def _await_command(self) -> bool:
         """Before it integrates past an `apply_at` the plant has that command, or says whose fault it is.
@@ -140,7 +148,8 @@ class PlantProcess:
             latest = max(latest, tick.lateness)
             now = time.monotonic_ns()
             self._time(tick.lateness, now - tick.due - tick.lateness, trip, slack)
-            self.pace = Pace(overruns.count, overruns.worst / NS, overruns.burst, latest / NS, trip / NS)
+            worst, burst = overruns.worst / NS, overruns.burst
+            self.pace = Pace(overruns.count, worst, burst, latest / NS, trip / NS, overruns.ticks)
             if self._report_when_due(now):
                 latest = 0
             if tick.number >= self.scenario.ticks or self.stop():
@@ -211,18 +220,7 @@ class PlantProcess:
         return status
 
     def _status(self) -> PlantStatus:
-        inlet, m = self.side.inlet, self.side.measurement
-        return PlantStatus(
-            tick=self.side.tick_number,
-            ticks=self.scenario.ticks,
-            commands=inlet.accepted,
-            late=inlet.late,
-            worst_late=inlet.worst_lateness / NS,
-            safe_states=inlet.safe_states,
-            reading=None if m is None else _reading(m, inlet.value),
-            refused={reason.value: count for reason, count in inlet.refused.items()},
-            pace=self.pace,
-        )
+        return self.side.status()._replace(pace=self.pace)
 
     def _manifest(self) -> bytes:
         """What a recorder puts at the head of its file."""
@@ -235,10 +233,6 @@ class PlantProcess:
             **self._facts,
         }
         return json.dumps(facts).encode()
-
-
-def _reading(measurement: Any, spool: float) -> Reading:
-    return Reading(measurement.position, tuple(getattr(measurement, name) for name in PRESSURES), spool)
 
 
 def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantReport:

@@ -13,7 +13,7 @@ from bridge.loop.identity import derived
 from bridge.machine.children import guarded
 from bridge.machine.process import Stop
 from bridge.processes.child import Child
-from bridge.processes.options import RunOptions
+from bridge.processes.options import SLOW, RunOptions
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
@@ -177,9 +177,7 @@ class Supervisor:
         for child in self.children:
             patience = self._patience(child.role)
             if waited > patience and not child.ended():
-                self.faults.append(
-                    f"the {child.role} (pid {child.process.pid}) did not exit within {patience:g} s and was killed"
-                )
+                self.faults.append(f"the {child.role} (pid {child.process.pid}) {SLOW} {patience:g} s and was killed")
                 self._noted.append(child)
                 child.end()
         return False

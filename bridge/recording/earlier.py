@@ -11,14 +11,29 @@ OF_LAW = {"pd": tuple(WithGains.model_fields), "relay": RELAY, "open-loop": ("li
 
 
 def in_todays_words(facts: dict[str, Any]) -> dict[str, Any]:
-    """The facts of a run: until 0.2 `controller.law` named the kind, and every law had the gains of a PD controller."""
+    """The facts of a run.
+
+    Until 0.2 `controller.law` named the kind, and every law had the gains of a PD controller; `real_time.overruns` was
+    a number of ticks, which says nothing of the share that it is today.
+    """
     scenario = facts.get("scenario")
     if not isinstance(scenario, dict):
         return facts
+    return facts | {"scenario": scenario | _with_kind(scenario) | _in_shares(scenario)}
+
+
+def _with_kind(scenario: Mapping[str, Any]) -> dict[str, Any]:
     controller = scenario.get("controller")
     if not isinstance(controller, dict) or "kind" in controller or not isinstance(controller.get("law"), str):
-        return facts
-    return facts | {"scenario": scenario | {"controller": _controller(controller)}}
+        return {}
+    return {"controller": _controller(controller)}
+
+
+def _in_shares(scenario: Mapping[str, Any]) -> dict[str, Any]:
+    policy = scenario.get("real_time")
+    if not isinstance(policy, dict) or isinstance(policy.get("overruns", 0.0), float):
+        return {}
+    return {"real_time": {name: value for name, value in policy.items() if name != "overruns"}}
 
 
 def _controller(old: Mapping[str, Any]) -> dict[str, Any]:

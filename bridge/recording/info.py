@@ -8,8 +8,9 @@ import numpy as np
 
 from bridge.errors import UsageError
 from bridge.recording.reader import Recording
-from bridge.recording.summary import Summary, summary_of, verdict
+from bridge.recording.summary import Summary, summary_of
 from bridge.recording.tally import Tally
+from bridge.recording.verdict import verdict
 from bridge.wire.codec import decode
 from bridge.wire.messages import SOURCED
 from controller.grid import NS

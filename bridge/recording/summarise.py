@@ -1,6 +1,7 @@
 """Make the summary of a run: control metrics, timing, losses. From the recording, so that anybody can again."""
 
 from collections import Counter
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,14 +22,21 @@ from bridge.scenario import Scenario
 from bridge.wire.messages import Ending, EventKind, reason_of
 from bridge.wire.status import PlantStatus, plant_status
 from controller.bands import Metrics
+from controller.grid import NS, number_due
 from controller.metrics import measure
 
 NEEDED = ("state", "timing", "event", "status")  # topics that a summary is made of
 
 
-def summarise(recording: Recording, scenario: Scenario, losses: dict[str, int]) -> Summary:
-    """What the messages of a recording say; `losses` are messages per topic that are not in it."""
+def summarise(
+    recording: Recording, scenario: Scenario, losses: dict[str, int], status: PlantStatus | None = None
+) -> Summary:
+    """What the messages of a recording say; `losses` are messages per topic that are not in it.
+
+    status: the plant's last one, where it is not recorded.
+    """
     events = recording.messages("event")
+    status = status or _last_status(recording)
     ended = [event.text for event in events if event.kind == EventKind.ENDED]
     ticks = recording.counts.get("state", 0)
     return Summary(
@@ -37,10 +45,11 @@ def summarise(recording: Recording, scenario: Scenario, losses: dict[str, int]) 
         simulated=max(0, ticks - 1) * scenario.loop.daq_period,
         metrics=_metrics(recording, scenario) if ticks > 1 else None,
         timing=_timing(recording),
-        commands=_commands(recording, events),
+        commands=_commands(recording, scenario, events, status),
         safe_states=sum(event.kind == EventKind.SAFE for event in events),
         lost=losses,
         messages=dict(sorted(recording.counts.items())),
+        first=_first(events),
     )
 
 
@@ -72,28 +81,43 @@ def _spread(values: NDArray[Any]) -> Spread:
 
 
 def _last_overruns(recording: Recording) -> OverrunTotals | None:
-    paces = [status.pace for status in _plant_statuses(recording) if status.pace]
-    return OverrunTotals(paces[-1].overruns, paces[-1].worst_overrun, paces[-1].longest_burst) if paces else None
+    pace = _last(recording, lambda status: status.pace is not None)
+    if pace is None or pace.pace is None:
+        return None
+    _, worst, burst = pace.pace[:3]
+    return OverrunTotals(pace.pace.overruns, worst, burst, pace.pace.late_ticks)
 
 
-def _plant_statuses(recording: Recording) -> list[PlantStatus]:
-    found = (plant_status(message) for message in recording.messages("status"))
-    return [status for status in found if status is not None]
+def _last_status(recording: Recording) -> PlantStatus | None:
+    return _last(recording, lambda status: True)
 
 
-def _commands(recording: Recording, events: list[Any]) -> CommandSummary:
+def _last(recording: Recording, suits: Callable[[PlantStatus], bool]) -> PlantStatus | None:
+    found = (plant_status(message) for message in reversed(recording.messages("status")))
+    return next((status for status in found if status is not None and suits(status)), None)
+
+
+def _commands(
+    recording: Recording, scenario: Scenario, events: list[Any], status: PlantStatus | None
+) -> CommandSummary:
     late = [event.applied_at - event.apply_at for event in events if event.kind == EventKind.LATE]
+    grid = scenario.loop.grid()
     return CommandSummary(
         sent=recording.counts.get("command", 0),
         late=len(late),
         worst_lateness=max(late, default=0) * 1e-9,
-        refused=_refused(recording, events),
+        refused=dict(status.refused) if status and status.refused else _refused(events),
+        due=None if status is None else number_due(status.tick * grid.daq, grid),
+        taken=None if status is None else status.commands,
     )
 
 
-def _refused(recording: Recording, events: list[Any]) -> dict[str, int]:
-    """Refused commands by reason: the plant counts them all, its events stop at a hundred of a kind."""
-    statuses = _plant_statuses(recording)
-    if statuses and statuses[-1].refused:
-        return dict(statuses[-1].refused)
+def _refused(events: list[Any]) -> dict[str, int]:
+    """Refused commands by reason, as far as events go: after a hundred of a kind the plant only counts them."""
     return dict(Counter(reason_of(event) for event in events if event.kind == EventKind.REFUSED))
+
+
+def _first(events: list[Any]) -> dict[str, str]:
+    """When and how it began to go wrong, for each kind of event that a run should not have."""
+    wrong = [event for event in reversed(events) if event.kind in (EventKind.REFUSED, EventKind.SAFE, EventKind.LATE)]
+    return {str(event.kind): f"at {event.stamp / NS:g} s: {event.text}" for event in wrong}

@@ -8,8 +8,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bridge.scenario import Scenario
-from bridge.wire.messages import Ending, ending_of
+from bridge.wire.messages import Ending
 from controller.bands import Metrics
 
 if TYPE_CHECKING:
@@ -39,20 +38,23 @@ class Spread(NamedTuple):
 class OverrunTotals(NamedTuple):
     """Ticks of a run in real time that were later than allowed."""
 
-    number: int
+    number: int  # rows of late ticks
     worst: float  # [s]
     burst: int  # most ticks caught up in a row
+    ticks: int | None = None  # late ones; None in recordings that do not say
 
     def plain(self) -> dict[str, Any]:
         """For JSON and metadata."""
-        return {"count": self.number, "worst": self.worst, "burst": self.burst}
+        known = {} if self.ticks is None else {"ticks": self.ticks}
+        return {"count": self.number, "worst": self.worst, "burst": self.burst} | known
 
     @classmethod
     def from_plain(cls, values: Any) -> "OverrunTotals | None":
         """Back again; None for nothing."""
         if not _mapping(values):
             return None
-        return cls(_count(values, "count"), _number(values, "worst", 0.0), _count(values, "burst"))
+        worst, burst = _number(values, "worst", 0.0), _count(values, "burst")
+        return cls(_count(values, "count"), worst, burst, _known_count(values, "ticks"))
 
 
 class TimingSummary(NamedTuple):
@@ -88,10 +90,13 @@ class CommandSummary(NamedTuple):
     late: int
     worst_lateness: float  # [s]
     refused: Mapping[str, int]  # by reason
+    due: int | None = None  # by the grid; None where the plant does not say how far it came
+    taken: int | None = None  # by the plant; None where it does not say
 
     def plain(self) -> dict[str, Any]:
         """For JSON and metadata."""
-        return self._asdict() | {"refused": dict(self.refused)}
+        known = {name: value for name, value in self._asdict().items() if value is not None}
+        return known | {"refused": dict(self.refused)}
 
     @classmethod
     def from_plain(cls, values: Any) -> "CommandSummary | None":
@@ -99,7 +104,8 @@ class CommandSummary(NamedTuple):
         if not _mapping(values):
             return None
         worst = _number(values, "worst_lateness", 0.0)
-        return cls(_count(values, "sent"), _count(values, "late"), worst, _counts(values, "refused"))
+        due, taken = _known_count(values, "due"), _known_count(values, "taken")
+        return cls(_count(values, "sent"), _count(values, "late"), worst, _counts(values, "refused"), due, taken)
 
 
 class Summary(NamedTuple):
@@ -115,6 +121,7 @@ class Summary(NamedTuple):
     lost: Mapping[str, int]  # messages on their way to the recorder, per topic
     messages: Mapping[str, int]  # recorded ones, per topic
     rejected: int | None = None  # what came to the recorder and is not a message of the run; None without a recorder
+    first: Mapping[str, str] = {}  # text of the first event of each kind that a run should not have
 
     def plain(self) -> dict[str, Any]:
         """For JSON and metadata: what is not defined is None."""
@@ -129,7 +136,8 @@ class Summary(NamedTuple):
             "lost": dict(self.lost),
             "messages": dict(self.messages),
         }
-        return values if self.rejected is None else values | {"rejected": self.rejected}
+        rejected = {} if self.rejected is None else {"rejected": self.rejected}
+        return values | rejected | ({"first": dict(self.first)} if self.first else {})
 
     @classmethod
     def from_plain(cls, values: Mapping[str, Any]) -> "Summary":
@@ -145,6 +153,7 @@ class Summary(NamedTuple):
             lost=_counts(values, "lost"),
             messages=_counts(values, "messages"),
             rejected=_count(values, "rejected") if "rejected" in values else None,
+            first=_texts(values, "first"),
         )
 
 
@@ -152,24 +161,6 @@ def summary_of(recording: "Recording") -> Summary | None:
     """The summary that a recording carries; None where it carries none."""
     known = recording.metadata.get("summary")
     return Summary.from_plain(known) if known else None
-
-
-def verdict(summary: Summary, scenario: Scenario) -> list[str]:
-    """What makes a run a failure, in words; empty for a good one."""
-    faults = []
-    if ending_of(summary.ending) != Ending.COMPLETE:
-        faults.append(f"the run ended early: {summary.ending}")
-    if summary.safe_states:
-        faults.append(f"the plant went to its safe state {summary.safe_states} times")
-    if sum(summary.lost.values()):
-        faults.append(f"messages were lost on the way to the recorder: {dict(summary.lost)}")
-    overruns, policy = summary.timing and summary.timing.overruns, scenario.real_time
-    if overruns and (overruns.number > policy.overruns or overruns.worst > policy.length):
-        faults.append(
-            f"{overruns.number} overruns, the longest {overruns.worst * 1e3:.1f} ms: real_time allows "
-            f"{policy.overruns} of at most {policy.length * 1e3:g} ms"
-        )
-    return faults
 
 
 def plain_metrics(metrics: Metrics | None) -> dict[str, float | None]:
@@ -194,6 +185,15 @@ def _number(values: Mapping[str, Any], name: str, default: float = math.nan) -> 
 def _count(values: Mapping[str, Any], name: str) -> int:
     value = _number(values, name, 0.0)
     return round(value) if math.isfinite(value) else 0
+
+
+def _known_count(values: Mapping[str, Any], name: str) -> int | None:
+    return _count(values, name) if name in values else None
+
+
+def _texts(values: Mapping[str, Any], name: str) -> dict[str, str]:
+    found = values.get(name)
+    return {str(key): str(text) for key, text in found.items()} if isinstance(found, Mapping) else {}
 
 
 def _counts(values: Mapping[str, Any], name: str) -> dict[str, int]:

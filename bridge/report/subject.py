@@ -11,7 +11,8 @@ from bridge.recording.columns import reference_at
 from bridge.recording.frames import profiles
 from bridge.recording.reader import Recording, read
 from bridge.recording.summarise import known_or_made
-from bridge.recording.summary import Summary, verdict
+from bridge.recording.summary import Summary
+from bridge.recording.verdict import verdict
 from bridge.runs.check import Judgement, judge_run
 from bridge.scenario import Scenario
 from controller.grid import NS

@@ -23,6 +23,7 @@ from controller.metrics import Signals, measure
 from controller.window import bounds, judge_window, within
 from twin.circuit.reading import BALANCES, moments
 
+NOTHING_EXPECTED = "the scenario states no band, so there is nothing to check: write what it must meet in `expect`"
 UNKNOWN = Metrics(*(float("nan") for _ in Metrics._fields))  # of a run without any
 
 
@@ -74,7 +75,8 @@ def check_scenario(scenario: Scenario, mode: Mode, folder: Path) -> CheckResult:
         outcome = run_scenario(scenario, RunOptions(mode, path))
         verdicts = judge_run(scenario, outcome.summary, outcome.recording)
         recording = _renamed(outcome, folder / f"{scenario.name}-check.mcap")
-    return CheckResult(scenario, verdicts, outcome.faults, outcome.notes, recording, outcome.interrupted)
+    faults = [*outcome.faults, *([] if scenario.expect else [NOTHING_EXPECTED])]
+    return CheckResult(scenario, verdicts, faults, outcome.notes, recording, outcome.interrupted)
 
 
 def _renamed(outcome: Outcome, path: Path) -> Path | None:
@@ -97,6 +99,20 @@ def junit_xml(results: list[CheckResult]) -> str:
             case = ET.SubElement(suite, "testcase", classname=name, name=visible(text))
             if failure is not None:
                 ET.SubElement(case, "failure", message=failure)
+    return _text(suites)
+
+
+def refused_xml(scenarios: list[str], reason: str) -> str:
+    """JUnit XML where nothing was run: one test case per scenario, in error."""
+    suites = ET.Element("testsuites", name="hydrotwin check")
+    for name in map(visible, scenarios):
+        suite = ET.SubElement(suites, "testsuite", name=name, tests="1", errors="1")
+        case = ET.SubElement(suite, "testcase", classname=name, name="scenario")
+        ET.SubElement(case, "error", message=visible(reason))
+    return _text(suites)
+
+
+def _text(suites: ET.Element) -> str:
     ET.indent(suites)
     return ET.tostring(suites, encoding="utf-8", xml_declaration=True).decode()
 

@@ -6,11 +6,13 @@ from pathlib import Path
 
 from bridge.errors import RunError, reason
 from bridge.loop.exchange import exchange, sides
+from bridge.loop.plant import PlantSide
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.summarise import summarise
 from bridge.recording.writer import RecordingWriter
 from bridge.scenario import Scenario
+from bridge.wire.messages import Ending, Outgoing, last_words
 from controller.grid import NS
 
 
@@ -24,18 +26,33 @@ def record_in_process(
     progress: Callable[[int], None] = lambda tick: None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Recording:
-    """Run a scenario and record it; returns what the file holds. Raises RunError when the disk refuses."""
+    """Run a scenario and record it; returns what the file holds.
+
+    Raises RunError when the disk refuses, or with the recording whole as far as it goes when the law fails.
+    """
     plant, controller = sides(scenario)
     head = manifest(scenario, plant.run_id)
     entries: list[Entry] = []
     with _recording(scenario, path, entries) as writer:
         writer.metadata("run", head)
-        for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
-            entries += writer.instant(messages)
-            progress(tick)
-        summary = summarise(recording(path, entries, {}), scenario, {}).plain()
+        failure: RunError | None = None
+        try:
+            for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
+                entries += writer.instant(messages)
+                progress(tick)
+        except RunError as error:
+            failure = error
+            entries += writer.instant(_failed(plant, str(error)))
+        summary = summarise(recording(path, entries, {}), scenario, {}, plant.status()).plain()
         writer.metadata("summary", summary)
+    if failure is not None:
+        raise failure
     return recording(path, entries, {"run": head, "summary": summary})
+
+
+def _failed(plant: PlantSide, reason: str) -> list[Outgoing]:
+    """The plant's last words on somebody else's failure."""
+    return plant.finish(last_words(Ending.FAILED, plant.tick_number, reason))
 
 
 @contextmanager

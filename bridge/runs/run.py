@@ -4,14 +4,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bridge.errors import RunError, writing
+from bridge.loop.controller import ControllerSide
 from bridge.machine.process import Stop
-from bridge.processes.options import RunOptions
+from bridge.processes.options import SLOW, RunOptions
 from bridge.recording.reader import Recording, read
 from bridge.recording.summarise import NEEDED, known_or_made
-from bridge.recording.summary import Summary, verdict
+from bridge.recording.summary import Summary
+from bridge.recording.verdict import ENDED_EARLY, verdict
 from bridge.runs.in_process import RecordingError, record_in_process
 from bridge.runs.progress import Progress
 from bridge.scenario import Scenario
+from bridge.scenario.circuit import circuit_of
 from bridge.scenario.describe import warnings
 from bridge.wire.messages import Mode
 
@@ -49,9 +52,17 @@ class Outcome(NamedTuple):
         return self.summary.plain() | how | words | point
 
 
+def ready_to_run(scenario: Scenario) -> None:
+    """Raises UsageError for a rig that cannot be built, and for a law that is not there or does not load."""
+    circuit_of(scenario)
+    ControllerSide(scenario, 0)
+
+
 def run_scenario(scenario: Scenario, options: RunOptions) -> Outcome:
     """Run and summarise. A failed run has faults, and its recording as far as it goes."""
     coarse = warnings(scenario)  # refuses numbers that make no circuit before anything is started
+    if not options.external:
+        ready_to_run(scenario)
     stop = Stop()
     try:
         recording, faults, notes = _run(scenario, options, stop)
@@ -61,8 +72,16 @@ def run_scenario(scenario: Scenario, options: RunOptions) -> Outcome:
     if recording is None:
         return Outcome(scenario, options, faults, notes, stop.asked)
     summary = known_or_made(recording, scenario)
-    faults = [*faults, *verdict(summary, scenario)]
+    faults = in_order(faults, verdict(summary, scenario))
     return Outcome(scenario, options, faults, notes, stop.asked, summary, recording)
+
+
+def in_order(seen: list[str], found: list[str]) -> list[str]:
+    """What was seen of the processes and what their recording says: the main reason first, each once."""
+    slow = [fault for fault in seen if SLOW in fault]
+    quick = [fault for fault in seen if fault not in slow]
+    further = [fault for fault in found if not (quick and fault.startswith(ENDED_EARLY))]  # which follows from those
+    return [*quick, *further, *slow]
 
 
 def shown(outcome: Outcome) -> Outcome:
@@ -87,6 +106,8 @@ def _run(scenario: Scenario, options: RunOptions, stop: Stop) -> tuple[Recording
                 return record_in_process(scenario, options.recording, progress.tick, lambda: stop.listen()()), [], []
             except RecordingError as error:
                 return None, [str(error)], []
+            except RunError as error:  # of the law: what was recorded until then is whole
+                return read(options.recording, NEEDED), [str(error)], []
         from bridge.processes.supervisor import Supervisor
 
         supervisor = Supervisor(scenario, options, progress.show, stop.listen())

@@ -53,6 +53,20 @@ class Measured(Worded):
         return number
 
 
+class Share(Measured):
+    """A part of one, "2 %" or 0.02; a whole number would once have been a count."""
+
+    def __init__(self, of: str) -> None:
+        super().__init__("")
+        self.of = of
+
+    def read(self, value: object) -> float:
+        """The share, 0 to 1."""
+        if isinstance(value, int) and not isinstance(value, bool) and value > 0:
+            raise ValueError(f"{value} is not a share of the {self.of}; write a part of them, such as '2 %' or 0.02")
+        return super().read(value)
+
+
 class Gain(Worded):
     """A gain, kept as text: what volts per % are in SI depends on the rig."""
 
@@ -101,6 +115,8 @@ Speed = Annotated[float, Measured("m/s")]
 Hertz = Annotated[float, Measured("Hz")]
 Pressure = Annotated[float, Measured("Pa")]
 Fraction = Annotated[float, Measured("")]
+TickShare = Annotated[float, Share("ticks")]
+CommandShare = Annotated[float, Share("commands")]
 ProportionalGain = Annotated[str, Gain("V/%", "1/m")]
 IntegralGain = Annotated[str, Gain("V/(% s)", "1/(m s)")]
 DerivativeGain = Annotated[str, Gain("V s/%", "s/m")]

@@ -7,6 +7,7 @@ from pydantic import Field, create_model, model_validator
 from bridge.scenario.bands import parse_band
 from bridge.scenario.controllers import Controller, Pd
 from bridge.scenario.fields import (
+    CommandShare,
     FileName,
     Line,
     Measured,
@@ -15,6 +16,7 @@ from bridge.scenario.fields import (
     Pressure,
     Seconds,
     Speed,
+    TickShare,
 )
 from bridge.scenario.files import DURATION
 from bridge.scenario.references import Reference
@@ -70,11 +72,23 @@ class Daq(Part):
 
 
 class RealTime(Part):
-    """When a real-time run counts as failed."""
+    """When a real-time run counts as failed: late commands change the data, late ticks only when they are published."""
 
-    overruns: int = Field(default=100, ge=0, description="how many late ticks are allowed")
-    length: Seconds = Field(default=100e-3, ge=0.0, description="how late one may be")
+    late_commands: CommandShare = Field(
+        default=0.005, ge=0.0, le=1.0, description="share of the commands that may be late or missing, rounded up"
+    )
+    overruns: TickShare = Field(
+        default=0.02, ge=0.0, le=1.0, description="share of the ticks that may be a period or more late"
+    )
+    length: Seconds = Field(default=100e-3, ge=0.0, description="how late a tick may be")
     grace: Seconds = Field(default=0.5, ge=0.0, description="of wall time at the start, where nothing counts")
+
+
+class Allowed(Part):
+    """What a good run may have all the same: a scenario that provokes it says how much of it."""
+
+    refused: int = Field(default=0, ge=0, description="commands that the plant may refuse")
+    safe_states: int = Field(default=0, ge=0, description="how often the plant may go to its safe state")
 
 
 def _rig_part(name: str, entries: dict[str, Entry]) -> Any:
@@ -124,6 +138,7 @@ class Scenario(Part):
     reference: Reference
     daq: Daq = Daq()
     real_time: RealTime = RealTime()
+    allowed: Allowed = Allowed()
     rig: RigParts = Field(default_factory=_rig)
     expect: list[str] = Field(default=[], description='such as "overshoot <= 5 %", "limit cycle: none"')
 

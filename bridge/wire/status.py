@@ -37,6 +37,7 @@ class Pace(NamedTuple):
     longest_burst: int  # most ticks caught up in a row
     lateness: float  # [s] wall, the greatest since the last status
     round_trip: float  # [s] wall, of the newest command; below zero without a new one
+    late_ticks: int = 0  # a period or more late; a row of them is one overrun
 
 
 class PlantStatus(NamedTuple):
@@ -44,7 +45,7 @@ class PlantStatus(NamedTuple):
 
     tick: int
     ticks: int  # of the whole run
-    commands: int = 0  # taken
+    commands: int | None = 0  # taken; None where a foreign plant does not say
     late: int = 0  # of those
     worst_late: float = 0.0  # [s] of simulated time
     safe_states: int = 0
@@ -55,7 +56,7 @@ class PlantStatus(NamedTuple):
 
     def plain(self) -> dict[str, float]:
         """Names and numbers of the message."""
-        own = dict(zip(self._fields[:6], self[:6], strict=True))
+        own = {name: value for name, value in zip(self._fields[:6], self[:6], strict=True) if value is not None}
         reading = self.reading.plain() if self.reading else {}
         pace = self.pace._asdict() if self.pace else {}
         return own | reading | counted(REFUSED, self.refused) | pace | counted(PUBLISHED, self.published)
@@ -66,7 +67,7 @@ class PlantStatus(NamedTuple):
         return cls(
             tick=_whole(values, "tick"),
             ticks=_whole(values, "ticks"),
-            commands=_whole(values, "commands"),
+            commands=_whole(values, "commands") if "commands" in values else None,
             late=_whole(values, "late"),
             worst_late=values.get("worst_late", 0.0),
             safe_states=_whole(values, "safe_states"),
@@ -118,6 +119,7 @@ def _pace(values: Mapping[str, float]) -> Pace | None:
         longest_burst=_whole(values, "longest_burst"),
         lateness=values.get("lateness", 0.0),
         round_trip=values.get("round_trip", -1.0),
+        late_ticks=_whole(values, "late_ticks"),
     )
 
 

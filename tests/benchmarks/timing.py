@@ -57,7 +57,7 @@ def _counts(summary: dict[str, Any]) -> str:
 
 def _run(folder: Path, *changes: str) -> dict[str, Any]:
     request = RunOptions(Mode.REALTIME, folder / "rt.mcap")
-    return run_scenario(load("step", [*changes, "real_time.overruns=100000"]), request).plain()
+    return run_scenario(load("step", [*changes, "real_time.overruns=1.0"]), request).plain()
 
 
 def ping_pong() -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ from bridge.wire.messages import Mode
 from tests.benchmarks.plant import Row
 
 TURNS = 4
-CHANGES = ["duration=8", "loop.sample_period=0.001", "real_time.overruns=100000", "real_time.length=10"]
+CHANGES = ["duration=8", "loop.sample_period=0.001", "real_time.overruns=1.0", "real_time.length=10"]
 LOOKED_AT = (("lateness", "p99"), ("lateness", "p50"), ("round_trip", "p99"), ("round_trip", "p50"))
 
 

@@ -48,7 +48,7 @@ def test_an_overrun_is_counted_once_with_its_length_and_burst():
     overruns = Overruns(period_ns=1_000, grace_ns=0)
     for lateness in (0, 3_500, 2_500, 1_500, 500, 0, 1_200, 0):
         overruns.add(lateness, elapsed=1)
-    assert (overruns.count, overruns.worst, overruns.burst) == (2, 3_500, 3)
+    assert (overruns.count, overruns.ticks, overruns.worst, overruns.burst) == (2, 4, 3_500, 3)
 
 
 def test_the_start_has_its_grace():

@@ -16,7 +16,7 @@ import pytest
 from bridge.machine import doctor, punctuality
 from bridge.machine.clock import SPIN_NS, Tick
 from bridge.machine.doctor import LOOKS, Finding, examine
-from bridge.scenario.model import RealTime, Scenario
+from bridge.scenario.model import RealTime
 from bridge.wire.link import LinkError
 from controller.grid import NS
 
@@ -93,13 +93,13 @@ def test_a_right_refused_is_fair(monkeypatch: pytest.MonkeyPatch):
     [
         (0, "good"),
         (1, "fair"),
-        (10, "fair"),  # of 1000 ticks, as 100 of the 10 000 of a run
-        (11, "bad"),
+        (20, "fair"),  # of 1000 ticks, the share that a run allows
+        (21, "bad"),
     ],
 )
 def test_clock_is_judged_by_the_overruns_a_run_allows(late: int, state: str, monkeypatch: pytest.MonkeyPatch):
-    assert RealTime().overruns == 100
-    assert Scenario.model_fields["duration"].default * NS == 10_000 * MS
+    assert RealTime().overruns == punctuality.MOST_LATE
+    assert RealTime().length * NS == punctuality.LONGEST_NS
     _fake_ticks(monkeypatch, [2 * MS] * late + [1_000] * (1000 - late))
     assert punctuality.pacing()[0] == state
 

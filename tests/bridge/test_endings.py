@@ -152,7 +152,7 @@ def commands(recording: Path, folder: Path) -> dict[str, tuple[list[str], int]]:
     run = ["run", "step", "--duration", "60", "--record", str(folder / "run.mcap")]
     sweep = ["map", "period", "gain", "--rig", "slow-sampling", "--cells", "4", "--runs", "6", "--workers", "2"]
     return {
-        "run": ([*run, "--set", "real_time.overruns=100000"], 4),
+        "run": ([*run, "--set", "real_time.overruns=1.0"], 4),
         "run --mode lockstep": ([*run, "--mode", "lockstep"], 4),
         "run --mode inprocess": ([*run, "--mode", "inprocess"], 0),
         "check --mode lockstep": (["check", "step", "--mode", "lockstep", "-o", str(folder)], 4),

@@ -9,6 +9,7 @@ import pytest
 from bridge.recording.digest import digest
 from bridge.recording.reader import read
 from tests.support.processes import (
+    LOOSE,
     children,
     run_recorded,
     started,
@@ -17,7 +18,6 @@ from tests.support.processes import (
 )
 
 pytestmark = [pytest.mark.endurance, pytest.mark.timeout(1200)]
-LOOSE = ("--set", "real_time.overruns=100000", "--set", "real_time.length=100")
 
 
 def test_ten_minutes_in_real_time_lose_nothing(tmp_path):

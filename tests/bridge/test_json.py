@@ -94,7 +94,7 @@ def repeated(*words: str) -> object:
 def test_verbs_of_a_loop_print_json_alone(tmp_path: Path):
     """plant, record and reset, around a run in real time without a controller."""
     address = free_endpoint()
-    short = ("--set", "duration=3", "--set", "real_time.overruns=100000", "--set", "real_time.length=100")
+    short = ("--set", "duration=3", "--set", "real_time.overruns=1.0", "--set", "real_time.length=100")
     wait = ("--patience", "60")
     plant = begun("plant", "step", *short, "--listen", address, *wait, "--await", "recorder", "--json")
     assert repeated("reset", "--connect", address, "--json")

@@ -197,11 +197,24 @@ def test_after_the_timeout_the_plant_latches_or_resumes_as_configured(policy, ta
     assert side.inlet.value == 0.3
 
 
-def test_before_the_first_command_nothing_times_out():
-    side = plant("loop.command_timeout=0.01")
-    for _ in range(100):
+def test_before_the_first_command_the_silence_counts_and_latches_nothing():
+    """Due at the offset, 20 ms, and given 10 ms more; a first command that comes late is heard all the same."""
+    side = plant("loop.command_timeout=0.01", "loop.offset=0.02")
+    events = [m.message for _ in range(40) for m in side.tick() if m.topic == "event"]
+    assert [(event.kind, event.applied_at) for event in events] == [("safe", 30 * MS)]
+    assert side.take(command(0, 30 * MS, 30 * MS, 0.3))
+    side.tick()
+    assert (side.inlet.safe, side.inlet.value, side.inlet.late) == (False, 0.3, 1)
+
+
+def test_after_a_reset_the_silence_counts_from_the_next_sample():
+    side = plant("loop.command_timeout=0.02")
+    assert side.take(command(0, 0, 0, 1.0))
+    for _ in range(45):
         side.tick()
-    assert not side.inlet.safe
+    side.reset()
+    events = [m.message for _ in range(40) for m in side.tick() if m.topic == "event"]
+    assert [(event.kind, event.applied_at) for event in events] == [("reset", 0), ("safe", 70 * MS)]
 
 
 def test_lockstep_knows_which_sample_it_waits_for():

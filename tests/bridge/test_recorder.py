@@ -30,6 +30,7 @@ from bridge.wire.link import Link, free_endpoint
 from tests.support.command import hydrotwin_here
 from tests.support.processes import (
     COARSE,
+    LOOSE,
     UNDRAWN,
     child,
     children,
@@ -40,7 +41,6 @@ from tests.support.processes import (
     with_signal,
 )
 
-LOOSE = ("--set", "real_time.overruns=100000", "--set", "real_time.length=100")
 RUNNING = 30_000  # bytes of a recording in which the loop has been seen to run
 KEPT = 0.25  # seconds before a kill up to which everything is in the file
 

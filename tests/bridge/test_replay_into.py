@@ -18,6 +18,7 @@ from bridge.scenario import load
 from tests.bridge.test_golden import TOLERANCES
 from tests.support.command import hydrotwin_here
 from tests.support.processes import (
+    LOOSE,
     UNDRAWN,
     child,
     children,
@@ -30,7 +31,6 @@ from tests.support.processes import (
 )
 from tests.tools.renew import GOLDEN, HERE
 
-LOOSE = ("--set", "real_time.overruns=100000", "--set", "real_time.length=100")
 RUNNING = 30_000  # bytes of a recording in which the loop has been seen to run
 STIFFER = ["controller.gain=1.05 V/%"]
 

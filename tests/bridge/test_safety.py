@@ -85,8 +85,28 @@ def test_the_first_valid_controller_owns_the_plant_until_released():
 
 def test_patience_ends_a_timeout_after_the_next_command_was_due():
     dog = Watchdog(timeout=int(0.1 * NS), grid=GRID, latching=True)
-    assert dog.trip_at(5 * MS) == 5 * MS + 10 * MS + 100 * MS
-    dog.trip()
+    assert dog.trip_at(15 * MS) == 15 * MS + 100 * MS
+    dog.trip(owned=True)
     assert dog.blocks()
     dog.clear()
     assert not dog.blocks()
+
+
+def test_only_a_controller_that_owned_the_plant_can_lose_it():
+    """Before the first command the valve is centred anyway: whoever speaks first is heard."""
+    dog = Watchdog(timeout=int(0.1 * NS), grid=GRID, latching=True)
+    dog.trip(owned=False)
+    assert dog.safe
+    assert not dog.blocks()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "answers"), [({"spool": math.nan}, True), ({"spool": 2.0}, True), ({"run": 8}, False)]
+)
+def test_a_command_refused_for_what_it_says_is_an_answer_all_the_same(wrong, answers):
+    """Lockstep waits for answers; another run's command is none, nor one that another controller gives."""
+    gate = Gate(RUN, GRID)
+    assert gate.check(command(0), now=0) is None
+    for source, expected in ((OTHER, 0), (OWNER, 10 * MS if answers else 0)):
+        gate.check(command(1, stamp=10 * MS, apply_at=15 * MS, source=source, **wrong), now=10 * MS)
+        assert gate.answered == expected

@@ -17,12 +17,12 @@ WHOLE = PlantStatus(
     safe_states=1,
     reading=Reading(0.1, (1e5, 2e5, 3e5), -0.5),
     refused={"stale": 3},
-    pace=Pace(2, 0.01, 3, 1e-4, -1e-9),
+    pace=Pace(2, 0.01, 3, 1e-4, -1e-9, 5),
     published={"state": 6, "pressure/p1": 1},
 )
 NAMES = (
     *("tick", "ticks", "commands", "late", "worst_late", "safe_states", "position", "p1", "p2", "p3", "spool"),
-    *("refused/stale", "overruns", "worst_overrun", "longest_burst", "lateness", "round_trip"),
+    *("refused/stale", "overruns", "worst_overrun", "longest_burst", "lateness", "round_trip", "late_ticks"),
     *("published/state", "published/pressure/p1"),
 )
 
@@ -45,6 +45,6 @@ def test_a_status_comes_back_from_its_message():
 
 
 def test_a_foreign_plant_may_say_less_or_nonsense():
-    assert plant_status(message({"tick": 7.0})) == PlantStatus(7, 0)
-    assert plant_status(message({"tick": math.nan, "p1": 1e5})) == PlantStatus(0, 0)
-    assert PlantStatus.from_plain({"overruns": 1.0}).pace == Pace(1, 0.0, 0, 0.0, -1.0)
+    assert plant_status(message({"tick": 7.0})) == PlantStatus(7, 0, commands=None)
+    assert plant_status(message({"tick": math.nan, "p1": 1e5})) == PlantStatus(0, 0, commands=None)
+    assert PlantStatus.from_plain({"overruns": 1.0}).pace == Pace(1, 0.0, 0, 0.0, -1.0, 0)

@@ -29,7 +29,7 @@ from tests.support.processes import (
 )
 
 pytest.importorskip("rerun")
-LONG = ["--set", "duration=3", "--set", "real_time.overruns=100000", "--set", "real_time.length=10 s"]
+LONG = ["--set", "duration=3", "--set", "real_time.overruns=1.0", "--set", "real_time.length=10 s"]
 PATIENT = ("--set", "loop.command_timeout=5 s")  # of a controller that has to wait for a processor
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controller.grid import is_sample, last_due, sampling
+from controller.grid import is_sample, last_due, next_sample, number_due, sampling
 from controller.hold import Hold, Segment
 
 MS = 1_000_000
@@ -46,6 +46,10 @@ def test_last_due_is_the_last_sample_that_acts_before(period, offset, delay, ste
     time = steps * 50_000
     acting = [s for s in range(grid.offset, time + 1, grid.sample) if s + grid.delay < time]
     assert last_due(time, grid) == (acting[-1] if acting else None)
+    assert number_due(time, grid) == len(acting)
+    first = next_sample(time, grid)
+    assert is_sample(first, grid)
+    assert not any(is_sample(t, grid) for t in range(-(-time // grid.daq) * grid.daq, first, grid.daq))
 
 
 def test_a_value_is_held_until_the_next_acts():
