@@ -71,7 +71,11 @@ VERBS = {
     "digest": Verb(
         LOOK, "recordings:digest", "Print one hash per data channel; with several files, say whether they are the same."
     ),
-    "messages": Verb(LOOK, "machine:messages", "Print every key, type, rate, `.msg` text and `struct` format."),
+    "messages": Verb(
+        LOOK,
+        "machine:messages",
+        "Print every key, type, rate, `.msg` text and `struct` format, and how to write a controller with them.",
+    ),
     "figures": Verb(LOOK, "figures:figures", "List the figures, or draw them all."),
     "figure": Verb(LOOK, "figures:figure", "Draw a figure of the thesis from the twin: NAME.png and NAME.csv."),
     "line": Verb(

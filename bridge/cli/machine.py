@@ -9,8 +9,9 @@ from bridge.cli.outputs import print_json
 
 
 def messages(as_json: AS_JSON = False) -> None:
-    """Print every key, type, rate, `.msg` text and `struct` format."""
+    """Print every key, type, rate, `.msg` text and `struct` format, and how to write a controller with them."""
     from bridge.cli.tables import print_table
+    from bridge.wire.guide import GUIDE
     from bridge.wire.messages import TOPICS, definition, described, field_names, struct_format
 
     rows = [
@@ -30,12 +31,12 @@ def messages(as_json: AS_JSON = False) -> None:
     if as_json:
         plain = [dict(zip(keys, row, strict=True)) for row in rows]
         fields = {kind: field_names(kind) for kind in types}
-        print_json({"messages": plain, "definitions": types, "fields": fields})
+        print_json({"messages": plain, "definitions": types, "fields": fields, "guide": GUIDE})
         return
     print_table(keys, rows)
     for kind in types:
         print(f"\n# {kind}\n{described(kind).rstrip()}")
-    print("\nPayloads are CDR, little endian: 4 bytes of header (00 01 00 00), then the fields in order.")
+    print(f"\n{GUIDE}", end="")
 
 
 def _short(layout: str) -> str:

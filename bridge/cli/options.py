@@ -55,6 +55,7 @@ CONFIG = Annotated[
 ]
 MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
 FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")]
+QUIET = Annotated[bool, typer.Option("--quiet", help="Do not say on the terminal what happens.")]
 WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one per core]", show_default=False)]
 SCHEDULER = Annotated[
     str | None, typer.Option(help="Address of a Dask scheduler to run on instead.", metavar="ADDRESS")

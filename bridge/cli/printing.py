@@ -126,6 +126,8 @@ def print_info(found: "RecordingInfo") -> None:
     console.print(plain_text(found.file, "bold") + plain_text(size))
     for problem in found.problems:
         console.print(plain_text(problem, "red"))
+    for note in found.notes:
+        console.print(plain_text(note, "yellow"))
     print_table(("", ""), [(name, plain(value)) for name, value in _facts(found)])
     print_table(("channel", "type", "messages", "from", "to", "rate", "gaps", "longest", "lost"), _channels(found))
     _print_events(console, found.events)

@@ -12,6 +12,7 @@ from bridge.cli.options import (
     CONNECT,
     FIFO,
     MODE,
+    QUIET,
     SCENARIO,
     ProcessMode,
 )
@@ -37,6 +38,7 @@ def plant(
     ] = None,
     patience: Annotated[float, typer.Option(help="Seconds to wait for partners, and in lockstep for commands.")] = 10.0,
     fifo: FIFO = False,
+    quiet: QUIET = False,
     as_json: AS_JSON = False,
 ) -> None:
     """Simulate the rig: publish measurements, take valve commands.
@@ -56,7 +58,7 @@ def plant(
 
     link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, patience)
     awaited = tuple(partners or (["controller"] if mode == ProcessMode.LOCKSTEP else []))
-    options = PlantOptions(Mode(mode), speed, fifo, fresh() if run_id is None else run_id, awaited, patience)
+    options = PlantOptions(Mode(mode), speed, fifo, fresh() if run_id is None else run_id, awaited, patience, quiet)
     words = run_plant(checked, link, options).plain()
     if as_json:
         print_json(words)
@@ -79,6 +81,7 @@ def controller(
     ] = None,
     patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
     fifo: FIFO = False,
+    quiet: QUIET = False,
 ) -> None:
     """Answer measurements with valve commands until the plant ends.
 
@@ -96,7 +99,7 @@ def controller(
     from bridge.wire.link import Link
 
     link = Link(None, connect, zenoh_config, patience)
-    run_controller(checked, link, Mode(mode), fresh() if source is None else source, fifo)
+    run_controller(checked, link, Mode(mode), fresh() if source is None else source, fifo, quiet)
 
 
 def router(

@@ -51,6 +51,11 @@ class Inlet:
         return self._watchdog.safe
 
     @property
+    def latched(self) -> bool:
+        """Does it take a reset to leave it?"""
+        return self._watchdog.blocks()
+
+    @property
     def safe_states(self) -> int:
         """How often the plant went to its safe state."""
         return self._watchdog.trips

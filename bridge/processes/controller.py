@@ -1,14 +1,18 @@
 """The controller as a process: measurements off the bus, through the law, commands on the bus."""
 
+import json
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from bridge.errors import RunError
 from bridge.loop.controller import ControllerSide
+from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop, prepare
 from bridge.processes.contact import Contact
 from bridge.scenario import Scenario
+from bridge.scenario.sameness import DIGEST, difference, digest_of
 from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
 from bridge.wire.link import Link
@@ -16,6 +20,7 @@ from bridge.wire.messages import GOING, EventKind, Mode, Phase, Reason, reason_o
 from bridge.wire.status import PUBLISHED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 
+ASKING = 2.0  # seconds for the plant to say what it runs
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 
 
@@ -26,8 +31,12 @@ class ControllerProcess:
     as all the rest.
     """
 
-    def __init__(self, bus: Bus, side: ControllerSide, stop: Stop) -> None:
+    def __init__(self, bus: Bus, side: ControllerSide, stop: Stop, scenario: Scenario, quiet: bool = False) -> None:
         self.bus = bus
+        self._scenario = scenario
+        self._narrator = Narrator(quiet)
+        self._introduced: int | None = None  # the run whose plant knows what we run
+        self._told: set[str] = set()  # reasons of refusals that were said on the terminal
         self.side = side
         self.stop = stop
         self._tick, self._stamp, self._run_id = -1, 0, 0
@@ -43,12 +52,29 @@ class ControllerProcess:
 
     def run(self) -> None:
         """Answer until the plant has ended. Raises what the law raised, RunError when refused or the plant is lost."""
+        self._narrator.say(f"controller of rig {self.bus.rig_name!r}, {self.bus.place}: {self._scenario.name!r}")
         while not self.stop() and not self._finished():
             time.sleep(0.02)
             if self._fault is not None:
                 raise self._fault
+            self._narrator.note_present(self.bus.present, "controller")
+            if self._tick >= 0 and self._introduced != self._run_id:
+                self._introduce(self._run_id)
         counts = counted(PUBLISHED, self.side.published)
         self.bus.publish_status(self._run_id, self._stamp, Phase.ENDED, counts, final=True)
+        self._narrator.say("the plant has ended" if not self.stop() else "interrupted")
+        self._narrator.close()
+
+    def _introduce(self, run_id: int) -> None:
+        """Tell the plant of a new run what we run, and people where that is not what the plant runs."""
+        self._introduced = run_id
+        told = self.bus.ask("scenario", ASKING, self.stop)
+        with suppress(ValueError, KeyError, TypeError):  # a foreign plant's answer may be anything
+            words = difference(self._scenario, json.loads(told or b"{}")["scenario"])
+            if words:
+                self._narrator.say(f"this controller runs {words}")
+            digest = {DIGEST: float(digest_of(self._scenario))}
+            self.bus.publish_status(run_id, self._stamp, Phase.RUNNING, digest, words)
 
     def _guarded(self, topic: str, heed: Callable[[Any], None]) -> Receiver:
         """Decode and heed; what goes wrong in Zenoh's thread is raised in ours."""
@@ -74,6 +100,14 @@ class ControllerProcess:
         self.side.heed(event)
         if self._is_refused(event):
             self._fault = RunError(f"the plant refuses this controller: {event.text}")
+        when = f"t = {event.stamp / NS:g} s: "
+        if event.kind == EventKind.REFUSED and event.source == self.side.source:
+            if (reason := reason_of(event)) not in self._told:
+                self._told.add(reason)
+                way_out = "; leave the safe state with `hydrotwin reset`" if reason == Reason.LATCHED else ""
+                self._narrator.say(f"{when}the plant refuses our command: {event.text}{way_out}")
+        elif event.kind in (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED):
+            self._narrator.say(f"{when}plant: {event.text}")
 
     def _is_refused(self, event: Any) -> bool:
         """Does the plant belong to another controller?"""
@@ -95,9 +129,9 @@ class ControllerProcess:
         return True
 
 
-def run_controller(scenario: Scenario, link: Link, mode: Mode, source: int, fifo: bool) -> None:
+def run_controller(scenario: Scenario, link: Link, mode: Mode, source: int, fifo: bool, quiet: bool = False) -> None:
     """Run a controller until its plant ends. Raises RunError, LinkError or UsageError with one line for people."""
     side = ControllerSide(scenario, source)
     prepare(fifo)
     with Bus(link, scenario.rig_name, "controller", blocking=mode == Mode.LOCKSTEP) as bus:
-        ControllerProcess(bus, side, Stop().listen()).run()
+        ControllerProcess(bus, side, Stop().listen(), scenario, quiet).run()

@@ -11,14 +11,16 @@ from bridge.errors import RunError
 from bridge.loop.plant import PlantSide
 from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
+from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop, prepare
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
+from bridge.scenario.sameness import DIGEST, digest_of
 from bridge.wire.bus import Bus, claimed_type
-from bridge.wire.codec import LoopTiming, ready
+from bridge.wire.codec import LoopTiming, decode, ready
 from bridge.wire.link import Link
-from bridge.wire.messages import Ending, Mode, Outgoing, Phase, last_words
-from bridge.wire.status import Pace, PlantReport, PlantStatus
+from bridge.wire.messages import Ending, EventKind, Mode, Outgoing, Phase, last_words, reason_of
+from bridge.wire.status import Pace, PlantReport, PlantStatus, numbers_of
 from controller.grid import NS, is_sample
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
@@ -43,6 +45,7 @@ class PlantOptions(NamedTuple):
     run_id: int
     partners: tuple[str, ...]  # roles to wait for before the clock starts
     patience: float  # seconds to wait for them, and in lockstep for each command
+    quiet: bool = False  # say nothing on the terminal
 
 
 class Command(NamedTuple):
@@ -67,6 +70,12 @@ class PlantProcess:
         self._status_due = 0
         self._timings = 0
         self._facts = {"versions": versions(), "host": host()}
+        self._narrator = Narrator(options.quiet)
+        self._told: set[str] = set()  # reasons of refusals that were said on the terminal
+        self._digest = digest_of(scenario)
+        self._strangers: queue.SimpleQueue[str] = queue.SimpleQueue()  # controllers of other scenarios, in words
+        ready("status")
+        bus.subscribe("status", self._on_status)
         bus.answer("scenario", self._manifest)
         ready("command")
         bus.subscribe("command", self._on_command)
@@ -76,6 +85,7 @@ class PlantProcess:
 
     def run(self) -> Ending:
         """Run to the end; returns what ended it. Raises RunError when a partner does not come or does not answer."""
+        self._narrator.say(f"plant of rig {self.bus.rig_name!r}, {self.bus.place}: scenario {self.scenario.name!r}")
         missing = self.bus.await_roles(self.options.partners, self.options.patience, self.stop)
         if missing and not self.stop():
             raise RunError(f"no {' and no '.join(missing)} within {self.options.patience:g} s of the start")
@@ -94,6 +104,7 @@ class PlantProcess:
         phase = LAST_PHASE[ending]
         status = self._report(phase, reason, final=True)
         self.bus.await_leaving(partners, LINGER)
+        self._narrator.close()
         return PlantReport(status, phase, reason)
 
     def _lockstep(self) -> None:
@@ -179,12 +190,38 @@ class PlantProcess:
             return None
         return self.side.receive(command.sample.payload.to_bytes(), claimed_type(command.sample))
 
+    def _on_status(self, sample: Any) -> None:
+        """In Zenoh's thread: does a controller run another scenario?"""
+        with suppress(ValueError):
+            status = decode(sample.payload.to_bytes(), "status")
+            digest = numbers_of(status).get(DIGEST) if status.role == "controller" else None
+            if digest is not None and round(digest) != self._digest:
+                self._strangers.put(f"controller {status.pid} runs {status.text or 'another scenario'}")
+
+    def _note_strangers(self) -> None:
+        while not self._strangers.empty():
+            self.side.inlet.note(EventKind.DIFFERS, self._strangers.get())
+
+    def _tell(self, event: Any) -> None:
+        """Say what happens to the plant; of refusals the first of each reason."""
+        when = f"t = {event.stamp / NS:g} s: "
+        if event.kind == EventKind.REFUSED and (reason := reason_of(event)) not in self._told:
+            self._told.add(reason)
+            self._narrator.say(f"{when}command refused: {event.text}; further ones for this reason are only counted")
+        if event.kind == EventKind.SAFE:
+            way_out = "leave with `hydrotwin reset`" if self.side.inlet.latched else "left by the first valid command"
+            self._narrator.say(f"{when}safe state, {way_out}: {event.text}")
+        if event.kind in (EventKind.RESET, EventKind.RESUMED, EventKind.DIFFERS, EventKind.ENDED):
+            self._narrator.say(f"{when}{event.text}")
+
     def _on_command(self, sample: Any) -> None:
         self._commands.put(Command(sample, time.monotonic_ns()))
 
     def _publish(self, messages: list[Outgoing], sent: int = 0) -> None:
         for message in messages:
             self.bus.publish(message)
+            if message.topic == "event":
+                self._tell(message.message)
         if sent and is_sample(self.side.now, self.side.grid):
             self._sent[self.side.now] = sent
             if len(self._sent) > UNANSWERED:
@@ -209,6 +246,8 @@ class PlantProcess:
         if now < self._status_due:
             return False
         self._status_due = now + STATUS_PERIOD
+        self._note_strangers()
+        self._narrator.note_present(self.bus.present, "plant")
         self._report(Phase.SAFE if self.side.inlet.safe else Phase.RUNNING, "")
         return True
 

@@ -78,7 +78,7 @@ class Supervisor:
         seed = self.scenario.seed
         plant = [str(file), *common, "--listen", endpoint, "--speed", str(options.speed)]
         plant += ["--run-id", str(derived(seed, self.scenario.rig_name)), "--patience", str(options.patience)]
-        plant += ["--await", "recorder", "--await", "controller"]
+        plant += ["--await", "recorder", "--await", "controller", "--quiet"]
         fifo = ["--fifo"] if options.fifo else []
         client = [*common, "--connect", endpoint, "--patience", str(STARTUP)]
         self.children.append(Child("plant", plant + fifo, folder, environment))
@@ -86,7 +86,9 @@ class Supervisor:
         self.children.append(Child("record", [*record, *client], folder, environment))
         if not options.external:
             source = ["--source", str(derived(seed, "controller"))]
-            self.children.append(Child("controller", [str(file), *client, *source, *fifo], folder, environment))
+            self.children.append(
+                Child("controller", [str(file), *client, *source, *fifo, "--quiet"], folder, environment)
+            )
         if options.mode == Mode.LOCKSTEP:
             self._share_a_processor()
 

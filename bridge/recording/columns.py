@@ -13,6 +13,8 @@ from controller.metrics import Signals
 from controller.reference import evaluate
 from twin.topology import CAVITIES
 
+SAME = 1e-9  # [m] between a reference as published and as evaluated again
+
 
 def signals(recording: Recording, scenario: Scenario) -> Signals:
     """True signals of a run, and the reference evaluated at the same instants (NaN for a law that follows none)."""
@@ -21,12 +23,26 @@ def signals(recording: Recording, scenario: Scenario) -> Signals:
     return Signals(
         time=time,
         position=state["position"],
-        reference=reference_at(time, scenario),
+        reference=followed(recording, scenario, time),
         p1=state["p1"],
         p_lower=state["p_lower"],
         p_upper=state["p_upper"],
         spool=state["spool"],
     )
+
+
+def followed(recording: Recording, scenario: Scenario, time: np.ndarray) -> np.ndarray:
+    """The position reference [m] at times [s] that the run is judged against.
+
+    A foreign controller's own where it publishes one, held from sample to sample; else the scenario's.
+    """
+    published = recording.columns("reference")
+    stamps, positions = published["stamp"], published["position"]
+    if not len(stamps) or np.allclose(positions, reference_at(stamps / NS, scenario), 0.0, SAME, equal_nan=True):
+        return reference_at(time, scenario)
+    order = np.argsort(stamps, kind="stable")
+    latest = np.searchsorted(stamps[order] / NS, time + 1e-10, side="right") - 1
+    return positions[order][np.maximum(latest, 0)]
 
 
 def reference_at(time: np.ndarray, scenario: Scenario) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from bridge.errors import UsageError
 from bridge.recording.reader import Recording
+from bridge.recording.remarks import remarks
 from bridge.recording.summary import Summary, summary_of
 from bridge.recording.tally import Tally
 from bridge.recording.verdict import verdict
@@ -48,6 +49,7 @@ class RecordingInfo(NamedTuple):
     size: int | None  # bytes
     complete: bool  # False: messages are missing that had been recorded
     problems: list[str]  # one sentence each
+    notes: list[str]  # what people should know, without being a problem
     scenario: str | None
     title: str | None
     rig: str | None
@@ -60,7 +62,7 @@ class RecordingInfo(NamedTuple):
     def plain(self) -> dict[str, Any]:
         """For JSON."""
         summary = self.summary.plain() if self.summary else {}
-        own = {name: getattr(self, name) for name in self._fields[:7]}
+        own = {name: getattr(self, name) for name in self._fields[:8]}
         return {
             **own,
             **self.run,
@@ -82,6 +84,7 @@ def describe(recording: Recording) -> RecordingInfo:
         size=_size(recording.path),
         complete=recording.complete,
         problems=problems(recording),
+        notes=remarks(recording),
         scenario=scenario.get("name"),
         title=scenario.get("title"),
         rig=scenario.get("rig_name"),

@@ -25,7 +25,7 @@ from controller.bands import Metrics
 from controller.grid import NS, number_due
 from controller.metrics import measure
 
-NEEDED = ("state", "timing", "event", "status")  # topics that a summary is made of
+NEEDED = ("state", "timing", "event", "status", "reference")  # topics that a summary is made of
 
 
 def summarise(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.errors import UsageError
-from bridge.recording.columns import reference_at
+from bridge.recording.columns import followed
 from bridge.recording.frames import profiles
 from bridge.recording.reader import Recording, read
 from bridge.recording.summarise import known_or_made
@@ -56,7 +56,7 @@ def load_run(path: Path) -> Run:
     faults, verdicts = verdict(summary, scenario), judge_run(scenario, summary, path)
     state = recording.columns("state")
     time = state["stamp"] / NS
-    return Run(recording, scenario, summary, verdicts, faults, state, time, reference_at(time, scenario))
+    return Run(recording, scenario, summary, verdicts, faults, state, time, followed(recording, scenario, time))
 
 
 def named_apart(runs: list[Run]) -> list[str]:

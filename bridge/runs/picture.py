@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from bridge.drawing.colours import LIGHT
-from bridge.recording.columns import reference_at, relief_moved, vapour
+from bridge.recording.columns import followed, relief_moved, vapour
 from bridge.recording.reader import Recording
 from bridge.recording.shown import GROUPS, MEASURED
 from bridge.scenario import Scenario
@@ -36,6 +36,7 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
     FigureCanvasAgg(figure)
     axes = figure.subplots(len(heights), 1, height_ratios=heights)
     time = state["stamp"] / NS
+    state["followed"] = followed(recording, scenario, time)
     for axis, row in zip(axes, rows, strict=False):
         row(axis, time, state, scenario)
         axis.set_xlim(0.0, time[-1])
@@ -51,10 +52,9 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
 
 
 def _position(axis: Any, time: Any, state: Any, scenario: Scenario) -> None:
-    reference = reference_at(time, scenario)
-    if np.isfinite(reference).any():
+    if np.isfinite(state["followed"]).any():
         scale = GROUPS["position"].scale
-        axis.plot(time, reference * scale, color="0.4", linestyle="--", linewidth=1.2, label="reference")
+        axis.plot(time, state["followed"] * scale, color="0.4", linestyle="--", linewidth=1.2, label="reference")
     _curves(axis, time, state, "position")
 
 

@@ -8,6 +8,7 @@ from bridge.loop.controller import ControllerSide
 from bridge.machine.process import Stop
 from bridge.processes.options import SLOW, RunOptions
 from bridge.recording.reader import Recording, read
+from bridge.recording.remarks import remarks
 from bridge.recording.summarise import NEEDED, known_or_made
 from bridge.recording.summary import Summary
 from bridge.recording.verdict import ENDED_EARLY, verdict
@@ -71,6 +72,7 @@ def run_scenario(scenario: Scenario, options: RunOptions) -> Outcome:
     notes = [*coarse, *notes]
     if recording is None:
         return Outcome(scenario, options, faults, notes, stop.asked)
+    notes += remarks(recording)
     summary = known_or_made(recording, scenario)
     faults = in_order(faults, verdict(summary, scenario))
     return Outcome(scenario, options, faults, notes, stop.asked, summary, recording)

@@ -39,6 +39,7 @@ class Bus:
 
     def __init__(self, link: Link, rig_name: str, role: str, blocking: bool, lease: float | None = None) -> None:
         self.rig_name = rig_name
+        self.place = f"listening on {link.listen}" if link.listen else f"connected to {link.connect or link.config}"
         self.role = role
         self.session = open_session(link, lease=lease)
         self.present: dict[str, set[str]] = {}

@@ -54,6 +54,7 @@ class EventKind(StrEnum):
     SAFE = "safe"
     RESET = "reset"
     RESUMED = "resumed"
+    DIFFERS = "differs"  # a controller runs another scenario than the plant
 
 
 class Reason(StrEnum):
@@ -157,7 +158,7 @@ OTHER_MESSAGES: dict[str, str] = {
 uint64 run_id
 uint64 sequence
 int64 stamp       # simulated [ns]
-string kind       # started, ended, late, refused, safe, reset, resumed
+string kind       # started, ended, late, refused, safe, reset, resumed, differs
 uint64 source     # of the command it is about, else 0
 uint64 command    # its sequence, else 0
 int64 apply_at    # when the command was to act [ns], else 0

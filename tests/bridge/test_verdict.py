@@ -22,7 +22,16 @@ BAD_LAWS = {  # what it answers, and how the first line begins
     "return float('nan'), memory": "FAILED: the plant refused 30 commands (30 not finite; the first at",
     "return 1 / 0, memory": "FAILED: controller.law './mine.py:law': mine.py, line 2: ZeroDivisionError",
 }
-QUICK = ("--duration", "0.29 s", "--set", "controller.law=./mine.py:law", "--record", "a.mcap")
+QUICK = (
+    "--duration",
+    "0.29 s",
+    "--set",
+    "controller.kind=python",
+    "--set",
+    "controller.law=./mine.py:law",
+    "--record",
+    "a.mcap",
+)
 TIMED = TimingSummary(Spread(0.0, 0.0, 0.0, 0.0), None, None, OverrunTotals(3, 0.02, 9, 20))
 GOOD = Summary(
     scenario="step",
@@ -169,7 +178,9 @@ def test_a_scenario_that_expects_nothing_runs_and_is_not_checked(tmp_path: Path)
     assert "states no band" in failure.attrib["message"]
 
 
-@pytest.mark.parametrize("own", ['name = "a\\u001b[31mb"\n', '[controller]\nlaw = "wrong:law"\n', "duration = 1 2\n"])
+@pytest.mark.parametrize(
+    "own", ['name = "a\\u001b[31mb"\n', '[controller]\nkind = "python"\nlaw = "wrong:law"\n', "duration = 1 2\n"]
+)
 def test_a_check_that_is_refused_leaves_a_junit_file_in_error(tmp_path: Path, own: str):
     """Whatever lay there before: a control character in a name, a law that does not parse, a file that does not."""
     (tmp_path / "j.xml").write_text("<earlier/>")
@@ -186,7 +197,7 @@ def test_a_law_that_fails_fails_its_check_alone(tmp_path: Path):
     """With its line, in table and JUnit file; what else is checked is judged all the same."""
     (tmp_path / "mine.py").write_text(LAW.format("return 1 / 0, memory"))
     band = 'extends = "step"\nduration = "0.05 s"\nexpect = ["overshoot <= 500 %"]\n'
-    (tmp_path / "own.toml").write_text(band + '[controller]\nlaw = "mine:law"\n')
+    (tmp_path / "own.toml").write_text(band + '[controller]\nkind = "python"\nlaw = "mine:law"\n')
     (tmp_path / "good.toml").write_text('extends = "step"\nduration = "0.05 s"\nexpect = ["max error <= 1 m"]\n')
     done = hydrotwin_here("check", "own.toml", "good.toml", "--junit", "j.xml", cwd=tmp_path)
     assert done.returncode == 1

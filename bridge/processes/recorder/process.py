@@ -20,6 +20,7 @@ from bridge.processes.recorder.run_file import (
     RunFile,
 )
 from bridge.wire.bus import Bus, stamp_of
+from bridge.wire.guide import TOKEN
 from bridge.wire.link import Link
 from bridge.wire.messages import TOPICS, Phase
 from controller.grid import NS
@@ -92,13 +93,15 @@ class RecorderProcess:
             file.take(arrival)
             file.flush_by_time()
         file.flush_by_time()
+        while file.mixed:
+            print(f"{NOTE}{file.mixed.pop(0)}", file=sys.stderr, flush=True)
         if well and file.refusal is not None:
             print(f"{NOTE}{file.refusal}", file=sys.stderr, flush=True)
             self.bus.publish_status(file.run_id, file.stamp, Phase.FAILED, {}, file.refusal)
         return file
 
     def _close(self, file: RunFile) -> list[Path]:
-        file.close(self._facts())
+        file.close(self._facts() | {"lacks": self._lacking(file)})
         unwritten = float(sum(file.unwritten.values()))
         lost = {"lost": float(sum(file.losses().values())), "unwritten": unwritten}
         phase = Phase.FAILED if file.refusal else Phase.ENDED
@@ -112,6 +115,19 @@ class RecorderProcess:
         worked, took = time.process_time() - self._began[0], time.monotonic() - self._began[1]
         share = worked / took if took > 0.0 else 0.0
         return {"overflow": dict(self.overflow), "most_waiting": self._most, "processor_share": round(share, 4)}
+
+    def _lacking(self, file: RunFile) -> list[str]:
+        """What a controller that spoke does not do, by name; ours does it all."""
+        if "command" not in file.spoken:
+            return []
+        rig = self.bus.rig_name
+        found = {
+            f"declares no liveliness token {rig}/{TOKEN}/NUMBER": "controller" not in self.bus.present,
+            "attaches no stamp to its messages (16 bytes, struct <qQ)": file.unstamped > 0,
+            f"publishes no {rig}/reference, so the run is judged against the scenario's": "reference" not in file.spoken
+            and self.request.wants("reference"),
+        }
+        return [f"the controller {what}: see `hydrotwin messages`" for what, lacks in found.items() if lacks]
 
     def _keep(self, topic: str, sample: Any) -> None:
         """In Zenoh's own thread, which must not wait for a disk."""

@@ -60,6 +60,9 @@ class RunFile:
         self.announced: set[str] = set()  # roles that have said how many messages they sent
         self.tally = Tally(from_start=manifest["tick"] == 0)
         self.rejected = 0
+        self.spoken: set[str] = set()  # topics of a controller that have come
+        self.unstamped = 0  # messages of a controller without the stamp that ours attach
+        self.mixed: list[str] = []  # what was said of a controller with another scenario, not yet told
         self.refusal: str | None = None  # of the disk
         self.unwritten: Counter[str] = Counter()  # messages per topic that came and are in no file
         self._ending: str | None = None  # the plant's own words, also where events are not recorded
@@ -132,6 +135,8 @@ class RunFile:
             self.stamp = max(self.stamp, message.stamp)
         if topic == "event" and message.kind == EventKind.ENDED:
             self._ending = message.text
+        if topic == "event" and message.kind == EventKind.DIFFERS:
+            self.mixed.append(message.text)
         if topic == "event" and message.kind in self.request.triggers:
             self.trigger(message.stamp)
 
@@ -185,11 +190,14 @@ class RunFile:
         self._parts.close()
 
     def _place(self, arrival: Arrival, message: Any) -> tuple[int, int]:
-        """Log time and sequence; a command's come from itself, so that any controller's can be recorded."""
-        if arrival.topic == "command":
-            if message.run_id != self.run_id or not 0 <= message.sample_stamp <= self.stamp + AHEAD:
-                raise ValueError("not a command of this run")
-            return message.sample_stamp, message.sequence
+        """Log time and sequence; a controller's come from its message itself, so that any can be recorded."""
+        if arrival.topic in SOURCED:
+            stamp = message.sample_stamp if arrival.topic == "command" else message.stamp
+            if message.run_id != self.run_id or not 0 <= stamp <= self.stamp + AHEAD:
+                raise ValueError("not of this run")
+            self.spoken.add(arrival.topic)
+            self.unstamped += arrival.stamp is None
+            return stamp, message.sequence
         if arrival.topic != "status" and getattr(message, "run_id", self.run_id) != self.run_id:
             raise ValueError("not of this run")
         if arrival.stamp is None or arrival.stamp[0] < 0:
