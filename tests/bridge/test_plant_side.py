@@ -20,7 +20,7 @@ from twin.topology import OBSERVED
 
 MS, RUN, OWNER = 1_000_000, 5, 21
 CAVITIES = {name for name in OBSERVED if name.startswith("cavity_")}
-QUIET = ["daq.noise=0", "daq.quantise=false", "daq.skew=0", "loop.delay=0"]
+QUIET = ["daq.noise=0", "daq.quantise=false", "daq.quantise_output=false", "daq.skew=0", "loop.delay=0"]
 
 
 def plant(*changes: str) -> PlantSide:
