@@ -21,7 +21,7 @@ from tests.support.processes import (
 
 SHORT = ("step", "--duration", "3")
 LOOSE = (  # a busy machine is no failure here
-    *("--set", "real_time.overruns=1.0", "--set", "real_time.length=10"),
+    *("--set", "real_time.overruns=1.0", "--set", "real_time.length=10", "--set", "real_time.late_commands=1.0"),
     *("--set", "loop.command_timeout=2"),
 )
 EXACT = ("daq.noise=0", "daq.quantise=false", "rig.cylinder.leakage_resistance=inf")

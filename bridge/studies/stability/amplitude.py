@@ -170,6 +170,14 @@ def picture(loop: Loop, sizes: Sequence[float], low: float, high: float, own: fl
     return [_row(gain, sizes, [s for (g, _), s in zip(jobs, swings, strict=True) if g == gain]) for gain in gains]
 
 
+def own_row(scenario: Scenario, own: float) -> tuple[PictureRow, int]:
+    """What the own gain does after the steps of ASKED that have room, by one member, and how many these are."""
+    loop, sizes = loop_of(scenario), both_ways(scenario, ASKED)
+    if not sizes:
+        raise ScenarioError(f"no step fits into the stroke from {scenario.start.position * 1e3:g} mm")
+    return _row(own, sizes, threaded(lambda size: swing(loop, own, size), sizes)), len(sizes)
+
+
 def _row(gain: float, sizes: Sequence[float], swings: Sequence[Swing]) -> PictureRow:
     largest = max(swings, key=lambda s: s.peak_to_peak)
     swinging = tuple(size for size, s in zip(sizes, swings, strict=True) if s.counts)

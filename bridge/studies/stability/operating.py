@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
-from bridge.studies.stability.advice import Stability, timing_notes, verdict
-from bridge.studies.stability.amplitude import PictureRow, range_over, swing_range
+from bridge.scenario.controllers import Python
+from bridge.studies.stability.advice import Stability, timing_notes
+from bridge.studies.stability.amplitude import own_row, range_over
 from bridge.studies.stability.sampled_law import free_gain
 from controller.bands import Metrics
 
@@ -26,9 +27,7 @@ class OperatingPoint(NamedTuple):
     sample_period: float  # [s]
     delay: float  # [s]
     verdict: Stability
-    settles_below: float  # after every motion
-    swings_above: float | None  # after every motion; None: never after all
-    swings_after: tuple[float, ...]  # steps [m] after which the theory's loop swings at the own gain
+    swings_after: tuple[float, ...]  # steps [m] after which the theory's loop swings
     predicted_frequency: float | None  # [Hz], of the widest of these swings; None: none, or an irregular one
     found_frequency: float | None  # [Hz], of the run's own limit cycle; 0.0: none; None: not known
     found_amplitude: float | None  # [m]
@@ -39,21 +38,25 @@ class OperatingPoint(NamedTuple):
 
 
 def operating_point(scenario: Scenario, metrics: Metrics | None) -> OperatingPoint | None:
-    """None for a loop without a gain, and where the theory has no answer."""
+    """At the own gain alone: which gains settle takes longer, and is for `advise`.
+
+    None for a loop without a gain, for a function of the user's, which `advise` runs itself, and where the theory has
+    no answer.
+    """
+    if isinstance(scenario.controller, Python):
+        return None
     try:
         free = free_gain(scenario)
-        found = swing_range(scenario)
+        row, all_of_them = own_row(scenario, free.own)
     except ScenarioError:
         return None
-    row: PictureRow = min(found.rows, key=lambda row: abs(row.gain - free.own))
+    stability = Stability.BETWEEN if row.swinging else Stability.STABLE
     return OperatingPoint(
         gain=free.own / free.per_unit,
         unit=free.unit,
         sample_period=scenario.loop.sample_period,
         delay=scenario.loop.delay,
-        verdict=verdict(free.own, found),
-        settles_below=found.low / free.per_unit,
-        swings_above=_known(found.high / free.per_unit),
+        verdict=Stability.UNSTABLE if len(row.swinging) == all_of_them else stability,
         swings_after=row.swinging,
         predicted_frequency=row.frequency if row.swinging and row.frequency else None,
         found_frequency=_known(metrics.limit_cycle_frequency) if metrics else None,
@@ -70,10 +73,9 @@ def _known(value: float) -> float | None:
 
 def sentences(at: OperatingPoint) -> list[str]:
     """An operating point in words."""
-    above = "none swings" if at.swings_above is None else f"all swing above {at.swings_above:.3g}"
     first = (
-        f"{at.gain:.3g} {at.unit} at {at.sample_period * 1e3:g} ms and {at.delay * 1e3:g} ms delay "
-        f"{at.verdict.words}: all settle below {at.settles_below:.3g}, {above} {at.unit}"
+        f"{at.gain:.3g} {at.unit} at {at.sample_period * 1e3:g} ms and {at.delay * 1e3:g} ms delay: by the theory it "
+        f"{at.verdict.words}; hydrotwin advise says which gains settle"
     )
     found, amplitude = at.found_frequency, at.found_amplitude
     swing = f"{found:.3g} Hz, {amplitude * 1e3:.3g} mm" if found and amplitude is not None else "none"
