@@ -153,7 +153,7 @@ def test_every_late_command_has_its_instant(folder, tmp_path):
 
 def test_slow_motion_is_paced_by_its_factor(folder):
     recording = run_recorded(
-        *(folder / "slow.mcap", "step", "--duration", "1", "--speed", "0.5"),
+        *(folder / "slow.mcap", "step", "--duration", "1", "--speed", "0.5", *COARSE),
         *LOOSE,
     )
     assert recording.columns("state")["stamp"][-1] == NS

@@ -83,7 +83,7 @@ def draw_computed() -> tuple[Columns, Sheet]:
         for name, (gain, frequency) in found.items():
             columns[f"critical gain {WORDS[name]}{ending} [V/%]"] = gain
             columns[f"frequency {WORDS[name]}{ending} [Hz]"] = frequency
-    columns |= {f"critical gain of Table 5.1, {words} [V/%]": gain for words, gain in table.items()}
+    columns |= {f"critical gain of Table 5.1 {words} [V/%]": gain for words, gain in table.items()}
     page, (left, right) = sheet("Critical gain over the sampling interval, computed", 2)
     _draw_theory(left, right, intervals, edges)
     _draw_theory(left, right, intervals, late, late=True)
