@@ -79,7 +79,7 @@ def draw_computed() -> tuple[Columns, Sheet]:
     edges, late = computed(intervals, scenario), computed(intervals, scenario, late=1.0)
     table = {words: of_table(intervals, scenario, delay) for words, delay in ((NO_DELAY, 0.0), (ONE_SAMPLE, 1.0))}
     columns: Columns = {"sampling interval [s]": intervals}
-    for ending, found in (("", edges), (f", {ONE_SAMPLE}", late)):
+    for ending, found in (("", edges), (f" {ONE_SAMPLE}", late)):
         for name, (gain, frequency) in found.items():
             columns[f"critical gain {WORDS[name]}{ending} [V/%]"] = gain
             columns[f"frequency {WORDS[name]}{ending} [Hz]"] = frequency
@@ -154,7 +154,7 @@ def draw_measured() -> tuple[Columns, Sheet]:
         "Full twin, overlap jumped; thin lines: linear theory. Steps of 2 and 20 mm up and down; with the delay 2 mm.\n"
         "The source's axes: 0 to 1 s and 0 to 80 V/%, which our rig's speed does not reach (see the figure's module).",
     )
-    later = {name.replace(" [", f", {ONE_SAMPLE} ["): values for name, values in list(late.items())[1:]}
+    later = {name.replace(" [", f" {ONE_SAMPLE} ["): values for name, values in list(late.items())[1:]}
     return columns | later, page
 
 
