@@ -34,7 +34,7 @@ VERBS = {
     "advise": Verb(
         LOOK,
         "stability:advise",
-        "Find the stable gains of a scenario's loop: critical gains, margins, predicted oscillation, suggested gains.",
+        "Find the gains at which a scenario's loop settles, swings after every motion, or depends on the motion.",
     ),
     "map": Verb(
         LOOK,

@@ -5,12 +5,14 @@ at the instant it took effect, `applied_at` of its event. What the plant refused
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
 from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
+from twin.sensors import put_out
 
 
 class Input(NamedTuple):
@@ -34,11 +36,12 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     known = {(e.source, e.command): e.stamp - grid.daq for e in events if e.kind == EventKind.RESUMED}
     known |= {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
     latches, force = list(_latches(events, scenario, grid)), _in_force(recording, grid)
+    put = partial(put_out, bits=scenario.daq.output_bits) if scenario.daq.quantise_output else float
     inputs = [Input(e.stamp - grid.daq, None) for e in events if e.kind == EventKind.RESET]
     reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
     for command in recording.messages("command"):
         name = command.source, command.sequence
-        if name in refused or (name not in known and _shut_out(command, latches, force)):
+        if name in refused or (name not in known and _shut_out(command, put(command.spool), latches, force)):
             continue
         instant = known.get(name, -(-command.sample_stamp // grid.daq) * grid.daq)
         reached[command.source] = instant = max(instant, reached.get(command.source, 0))
@@ -58,11 +61,14 @@ def _latches(events: list[Any], scenario: Scenario, grid: Sampling) -> Iterator[
         yield Latch(safe.applied_at - grid.sample - timeout, min(resets, default=1 << 62))
 
 
-def _shut_out(command: Any, latches: list[Latch], force: Callable[[int], float | None]) -> bool:
-    """Did it come while the plant was latched? One on its way at the reset shows in the value in force afterwards."""
+def _shut_out(command: Any, spool: float, latches: list[Latch], force: Callable[[int], float | None]) -> bool:
+    """Did it come while the plant was latched? One on its way at the reset shows in the value in force afterwards.
+
+    spool: what the card makes of the command's.
+    """
     for latch in latches:
         if command.apply_at > latch.since and command.sample_stamp < latch.until:
-            return command.apply_at < latch.until or force(command.apply_at) not in (None, command.spool)
+            return command.apply_at < latch.until or force(command.apply_at) not in (None, spool)
     return False
 
 

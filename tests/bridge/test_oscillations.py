@@ -21,7 +21,7 @@ def test_a_dozen_runs_of_the_labelled_set():
     assert [f"{run.verdict}: {run.case.name}" for run in runs if run.verdict in ("miss", "false alarm")] == []
     counts = confusion(runs)
     assert counts["oscillates", "limit cycle"] >= 4
-    assert sum(count for (_, found), count in counts.items() if found == "none") >= 3
+    assert sum(count for (_, found), count in counts.items() if found == "none") >= 1
     assert counts["no stretch", "not applicable"] == 1
 
 

@@ -37,6 +37,7 @@ from twin.rig import values
 STEP = 25e-6  # [s]
 VOLUME = 20e-6  # [m^3], assumed
 SECONDS, SETTLE = 0.75, 0.4  # [s]
+LINES = {"pipe_1": {"length": 1.0}, "pipe_2": {"length": 2.5}}  # assumed: none of their resonances sits on the pilot's
 PUSH = 1.1  # of the poppet's lift at the start
 CASES = {
     "valve shut": {"relief": {}, "valve": {"kind": "switching"}},
@@ -59,6 +60,7 @@ def rig_of(case: str, ripple: bool, volume: float = VOLUME) -> Circuit:
     """The circuit of a case."""
     parts = {name: dict(entries) for name, entries in CASES[case].items()}
     parts["relief"] |= {"channel_volume": volume}
+    parts |= LINES
     parts["pump"] = {"ripple": "teeth" if ripple else "none"}
     return build(values(parts), STEP)
 
