@@ -43,7 +43,7 @@ def events(path: Path, kind: str) -> list:
 def test_a_stopped_controller_in_real_time_leads_to_the_safe_state(path):
     """Within the timeout and one tick of simulated time, said in the recording; the run ends and names the silent."""
     timeout = ("--set", "loop.command_timeout=0.2")
-    with started("run", *UNDRAWN, "square", "--duration", "6", *timeout, *LOOSE, "--record", str(path)) as run:
+    with started("run", "square", "--duration", "6", *timeout, *LOOSE, "--record", str(path)) as run:
         controller = child(run.pid, "controller")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)

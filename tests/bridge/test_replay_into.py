@@ -96,6 +96,7 @@ def test_a_real_time_recording_with_late_commands_comes_out_again(late, folder, 
     assert verdict.passed
 
 
+@pytest.mark.timed
 def test_a_latched_plant_and_its_reset_come_out_again(folder):
     """More refused commands than are told one by one; then somebody resets."""
     path = folder / "latched.mcap"
