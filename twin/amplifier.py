@@ -84,5 +84,5 @@ def _(amplifiers: Amplifiers, position: float, pressure: NDArray, taps: NDArray,
     signals[inputs] = position
     for i in range(1, inputs):
         p = pressure[taps[i - 1]]
-        signals[i] = follow(signals[i], signals[inputs + i], p, amplifiers.pressure)
+        signals[i] = follow(signals[i], signals[inputs + i], p, amplifiers.pressure)  # pyright: ignore[reportArgumentType]
         signals[inputs + i] = p

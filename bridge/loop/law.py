@@ -129,7 +129,7 @@ def _system_law(system: Any, name: str) -> Any:
     if (system.ninputs, system.noutputs) != (1, 1):
         raise ScenarioError(f"controller.law {name!r}: a system takes the position error alone and has one output")
     states = control.ss(system)
-    return system_law(*(getattr(states, part).tolist() for part in "ABCD"), float(system.dt))
+    return system_law(*(getattr(states, part).tolist() for part in "ABCD"), float(system.dt))  # pyright: ignore[reportCallIssue]
 
 
 def _checked(law: Any, name: str, file: Path) -> Law:

@@ -280,8 +280,8 @@ def test_a_control_system_is_a_law(tmp_path, monkeypatch):
     for k in range(20):
         spool, memory = law.answer(Sample(k, 0.0, 0.0, 0.0, 0.0, 0.0), Target(1e-3, 0.0), memory, own)
         found.append(spool)
-    steady = lfilter([0.0, 0.3], [1.0, -0.7], np.full(20, 1e-3)) * own.proportional
-    assert found == pytest.approx(np.sign(steady) * (own.overlap + (1.0 - own.overlap) * steady))
+    steady = lfilter([0.0, 0.3], [1.0, -0.7], np.full(20, 1e-3)) * own.proportional  # pyright: ignore[reportAttributeAccessIssue, reportOperatorIssue]
+    assert found == pytest.approx(np.sign(steady) * (own.overlap + (1.0 - own.overlap) * steady))  # pyright: ignore[reportAttributeAccessIssue]
     own_gain = free_gain(lag).own
     ours, twin = swing(loop_of(lag), 5.0 * own_gain, 0.02), twin_swing(lag, 5.0 * own_gain, 0.02)
     assert ours.counts

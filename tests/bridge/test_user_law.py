@@ -47,13 +47,13 @@ def test_a_law_is_found_beside_its_scenario_from_anywhere(elsewhere: Path, name:
     (elsewhere / "deep" / "__init__.py").write_text("from .er import law\n")
     (elsewhere / "deep" / "er.py").write_text("from .number import SPOOL\n" + ANSWER.replace("0.25", "SPOOL"))
     (elsewhere / "deep" / "number.py").write_text("SPOOL = 0.25\n")
-    law = load(scenario_with(elsewhere, name)).controller.law
+    law = load(scenario_with(elsewhere, name)).controller.law  # pyright: ignore[reportAttributeAccessIssue]
     assert find_law(law).answer(*CALL) == (0.25, None)
 
 
 def test_a_law_in_the_working_folder_keeps_its_short_name(elsewhere: Path):
     Path("mine.py").write_text(ANSWER)
-    assert load("step", ["controller.kind=python", "controller.law=mine:law"]).controller.law == "mine:law"
+    assert load("step", ["controller.kind=python", "controller.law=mine:law"]).controller.law == "mine:law"  # pyright: ignore[reportAttributeAccessIssue]
     assert find_law("mine:law").answer(*CALL) == (0.25, None)
 
 
@@ -61,7 +61,7 @@ def test_a_law_is_found_beside_the_scenario_that_is_extended(elsewhere: Path):
     (elsewhere / "swing.py").write_text(ANSWER)
     scenario_with(elsewhere, "swing:law")
     Path("own.toml").write_text(f'extends = "{elsewhere / "mine.toml"}"\nseed = 4\n')
-    assert find_law(load("own.toml").controller.law).answer(*CALL) == (0.25, None)
+    assert find_law(load("own.toml").controller.law).answer(*CALL) == (0.25, None)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def test_an_installed_law_is_found():

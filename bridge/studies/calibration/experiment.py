@@ -69,4 +69,4 @@ def run(circuit: Circuit, speed: int, place: float) -> Course:
     time = BEGIN + EVERY * STEP * np.arange(1, len(seen) + 1)
     for row, now in zip(seen, time.tolist(), strict=True):
         advance(state, reference(now - 0.5 * EVERY * STEP, speed), EVERY, taps, row)
-    return Course(time, dict(zip(OBSERVED, seen.T, strict=True)))
+    return Course(time, dict(zip(OBSERVED, seen.T, strict=True)))  # pyright: ignore[reportArgumentType]

@@ -93,8 +93,8 @@ def _friction(circuit: Circuit) -> dict[str, float]:
             return area * p - mass * gravity - friction(SLOW, p, circuit.parts.seal)[0]
 
         p = brentq(surplus, 1e5, 500e5)
-        differences.append(p / BAR)
-        most = max(most, *(friction(v, p, circuit.parts.seal)[0] for v in (SLOW, -SLOW)))
+        differences.append(p / BAR)  # pyright: ignore[reportOperatorIssue]
+        most = max(most, *(friction(v, p, circuit.parts.seal)[0] for v in (SLOW, -SLOW)))  # pyright: ignore[reportArgumentType]
     return {"friction, five loads": most, "difference, five loads": max(differences)}
 
 

@@ -86,7 +86,7 @@ def run_linear(
     numbers = np.array([law.limit, law.overlap, float(law.relay), law.clamped, s.position, size, when.at, when.period])
     matrices = [np.ascontiguousarray(m, float) for m in (law.a, law.b, law.c, law.d, law.back)]
     ring = np.zeros(spans.whole + 1)
-    n = _run(d, *spans.paces, s, counts, numbers, *matrices, z, np.zeros(len(z)), ring, card, rows)
+    n = _run(d, *spans.paces, s, counts, numbers, *matrices, z, np.zeros(len(z)), ring, card, rows)  # pyright: ignore[reportCallIssue]
     return rows[:n, 0], rows[:n, 1]
 
 
