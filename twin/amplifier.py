@@ -83,6 +83,6 @@ def _(amplifiers: Amplifiers, position: float, pressure: NDArray, taps: NDArray,
     signals[0] = follow(signals[0], signals[inputs], position, amplifiers.position)
     signals[inputs] = position
     for i in range(1, inputs):
-        p = pressure[taps[i - 1]]
-        signals[i] = follow(signals[i], signals[inputs + i], p, amplifiers.pressure)  # pyright: ignore[reportArgumentType]
+        p = pressure[int(taps[i - 1])]
+        signals[i] = follow(signals[i], signals[inputs + i], p, amplifiers.pressure)
         signals[inputs + i] = p

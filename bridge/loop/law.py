@@ -23,8 +23,6 @@ from controller.reference import Target
 
 OURS = ("bridge", "controller", "twin")  # no laws themselves
 FAILURES = (Exception, SystemExit)  # scripts end the interpreter, which a law must not
-
-
 HOOKS = ("on_safe_state", "on_resume")  # functions beside a user's law that are told of both; each gets the memory
 
 
@@ -129,7 +127,8 @@ def _system_law(system: Any, name: str) -> Any:
     if (system.ninputs, system.noutputs) != (1, 1):
         raise ScenarioError(f"controller.law {name!r}: a system takes the position error alone and has one output")
     states = control.ss(system)
-    return system_law(*(getattr(states, part).tolist() for part in "ABCD"), float(system.dt))  # pyright: ignore[reportCallIssue]
+    a, b, c, d = (matrix.tolist() for matrix in (states.A, states.B, states.C, states.D))
+    return system_law(a, b, c, d, float(system.dt))
 
 
 def _checked(law: Any, name: str, file: Path) -> Law:

@@ -3,6 +3,7 @@
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -275,13 +276,14 @@ def test_a_control_system_is_a_law(tmp_path, monkeypatch):
     one, lag = (load("step", [*loops, f"controller.law=mine.py:{name}"]) for name in ("one", "lag"))
     pd = load("step", loops[:2])
     assert np.array_equal(trial(one, stand_of(one)).position, trial(pd, stand_of(pd)).position)
-    law, own = law_of(lag.controller), law_gains(lag)
+    law = law_of(lag.controller)
+    own: Any = law_gains(lag)
     memory, found = None, []
     for k in range(20):
         spool, memory = law.answer(Sample(k, 0.0, 0.0, 0.0, 0.0, 0.0), Target(1e-3, 0.0), memory, own)
         found.append(spool)
-    steady = lfilter([0.0, 0.3], [1.0, -0.7], np.full(20, 1e-3)) * own.proportional  # pyright: ignore[reportAttributeAccessIssue, reportOperatorIssue]
-    assert found == pytest.approx(np.sign(steady) * (own.overlap + (1.0 - own.overlap) * steady))  # pyright: ignore[reportAttributeAccessIssue]
+    steady = np.asarray(lfilter([0.0, 0.3], [1.0, -0.7], np.full(20, 1e-3))) * own.proportional
+    assert found == pytest.approx(np.sign(steady) * (own.overlap + (1.0 - own.overlap) * steady))
     own_gain = free_gain(lag).own
     ours, twin = swing(loop_of(lag), 5.0 * own_gain, 0.02), twin_swing(lag, 5.0 * own_gain, 0.02)
     assert ours.counts

@@ -181,7 +181,9 @@ def test_units_convert_by_their_factor(unit, value):
 def test_a_band_for_every_metric(metric):
     shown = METRICS[metric]
     band = parse_band(f"{metric.replace('_', ' ')} <= 3 {shown.shown_unit.replace('travels', '')}")
-    assert band == Band(metric, "<=", pytest.approx(3.0 / shown.factor))  # pyright: ignore[reportArgumentType]
+    assert isinstance(band, Band)
+    assert band == Band(metric, "<=", band.limit)
+    assert band.limit == pytest.approx(3.0 / shown.factor)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,8 @@ import pytest
 from bridge.errors import RunError, ScenarioError
 from bridge.loop.law import find_law
 from bridge.runs.in_process import record_in_process
-from bridge.scenario import load
+from bridge.scenario import Scenario, load
+from bridge.scenario.controllers import Python
 from controller.law import Gains, Sample
 from controller.reference import Target
 from tests.support.processes import hydrotwin
@@ -32,6 +33,12 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
             del sys.modules[name]
 
 
+def law_named_by(scenario: Scenario) -> str:
+    """The user's function of a scenario."""
+    assert isinstance(scenario.controller, Python)
+    return scenario.controller.law
+
+
 def scenario_with(folder: Path, law: str) -> str:
     """A scenario file whose law is `law`."""
     path = folder / "mine.toml"
@@ -47,13 +54,13 @@ def test_a_law_is_found_beside_its_scenario_from_anywhere(elsewhere: Path, name:
     (elsewhere / "deep" / "__init__.py").write_text("from .er import law\n")
     (elsewhere / "deep" / "er.py").write_text("from .number import SPOOL\n" + ANSWER.replace("0.25", "SPOOL"))
     (elsewhere / "deep" / "number.py").write_text("SPOOL = 0.25\n")
-    law = load(scenario_with(elsewhere, name)).controller.law  # pyright: ignore[reportAttributeAccessIssue]
+    law = law_named_by(load(scenario_with(elsewhere, name)))
     assert find_law(law).answer(*CALL) == (0.25, None)
 
 
 def test_a_law_in_the_working_folder_keeps_its_short_name(elsewhere: Path):
     Path("mine.py").write_text(ANSWER)
-    assert load("step", ["controller.kind=python", "controller.law=mine:law"]).controller.law == "mine:law"  # pyright: ignore[reportAttributeAccessIssue]
+    assert law_named_by(load("step", ["controller.kind=python", "controller.law=mine:law"])) == "mine:law"
     assert find_law("mine:law").answer(*CALL) == (0.25, None)
 
 
@@ -61,7 +68,7 @@ def test_a_law_is_found_beside_the_scenario_that_is_extended(elsewhere: Path):
     (elsewhere / "swing.py").write_text(ANSWER)
     scenario_with(elsewhere, "swing:law")
     Path("own.toml").write_text(f'extends = "{elsewhere / "mine.toml"}"\nseed = 4\n')
-    assert find_law(load("own.toml").controller.law).answer(*CALL) == (0.25, None)  # pyright: ignore[reportAttributeAccessIssue]
+    assert find_law(law_named_by(load("own.toml"))).answer(*CALL) == (0.25, None)
 
 
 def test_an_installed_law_is_found():

@@ -105,7 +105,7 @@ def test_a_swing_is_told_by_its_last_third():
     assert grown.frequency == pytest.approx(3.3, rel=2e-3)
     decayed = last_third(time, 1e-2 * np.exp(-time) * np.sin(20.0 * time))
     assert not decayed.counts
-    assert last_third(time, 1e-3 * (time > 25.0)) == (pytest.approx(1e-3), 0.0)  # a jump has no frequency  # pyright: ignore[reportArgumentType]
+    assert last_third(time, np.where(time > 25.0, 1e-3, 0.0)) == (pytest.approx(1e-3), 0.0)  # a jump has no frequency
 
 
 def test_members_span_an_interval_and_runs_last_long_enough():

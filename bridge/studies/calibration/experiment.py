@@ -66,7 +66,7 @@ def run(circuit: Circuit, speed: int, place: float) -> Course:
     circuit = at_speed(circuit, speed)
     advance, state, (taps, _) = block_of(compiled(circuit)), flatten(equilibrium(circuit, place)), buffers()
     seen = np.zeros((round((END[speed] - BEGIN) / (EVERY * STEP)), len(OBSERVED)))
-    time = BEGIN + EVERY * STEP * np.arange(1, len(seen) + 1)
+    time = BEGIN + EVERY * STEP * np.arange(1.0, len(seen) + 1.0)
     for row, now in zip(seen, time.tolist(), strict=True):
         advance(state, reference(now - 0.5 * EVERY * STEP, speed), EVERY, taps, row)
-    return Course(time, dict(zip(OBSERVED, seen.T, strict=True)))  # pyright: ignore[reportArgumentType]
+    return Course(time, dict(zip(OBSERVED, seen.T, strict=True)))

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from bridge.studies.calibration.experiment import LIFT, RESTART, SPEEDS, UP, Course, circuit_for, run
 from twin.circuit.step import Circuit
@@ -92,9 +92,9 @@ def _friction(circuit: Circuit) -> dict[str, float]:
         def surplus(p: float, mass: float = mass) -> float:
             return area * p - mass * gravity - friction(SLOW, p, circuit.parts.seal)[0]
 
-        p = brentq(surplus, 1e5, 500e5)
-        differences.append(p / BAR)  # pyright: ignore[reportOperatorIssue]
-        most = max(most, *(friction(v, p, circuit.parts.seal)[0] for v in (SLOW, -SLOW)))  # pyright: ignore[reportArgumentType]
+        p = root_scalar(surplus, bracket=(1e5, 500e5)).root
+        differences.append(p / BAR)
+        most = max(most, *(friction(v, p, circuit.parts.seal)[0] for v in (SLOW, -SLOW)))
     return {"friction, five loads": most, "difference, five loads": max(differences)}
 
 

@@ -78,7 +78,7 @@ def evolve(start: Array, seconds: float, weights: Weights, seed: int = 1) -> Fit
     crowd[::2] = np.clip(start + SPREAD * (crowd[::2] - 0.5), 0.0, 1.0)
     crowd[0] = start
     differential_evolution(
-        budget, [(0.0, 1.0)] * len(CHOICES), init=crowd, maxiter=1000, polish=False, seed=seed,  # pyright: ignore[reportCallIssue]
+        budget, [(0.0, 1.0)] * len(CHOICES), init=crowd, maxiter=1000, polish=False, rng=seed,
         callback=lambda *_: budget.spent,
     )  # fmt: skip
     return budget.fitted()

@@ -70,7 +70,8 @@ def law_of(scenario: Scenario) -> Callable[[float], LinearLaw | Decide]:
     system = getattr(law_in_loop(scenario.controller).answer, "system", None)
     if system is not None:
         own: Any = law_gains(scenario)
-        return lambda gain: of_error(*system, gain, own.limit, own.overlap)  # pyright: ignore[reportCallIssue]
+        a, b, c, d = system
+        return lambda gain: of_error(a, b, c, d, gain, own.limit, own.overlap)
     is_factor = free_gain(scenario).is_factor
     return lambda gain: _deciding(scenario if is_factor else at_gain(scenario, gain), gain if is_factor else 1.0)
 
@@ -114,7 +115,8 @@ def _deciding(scenario: Scenario, factor: float) -> Decide:
 
 def _minds_gain(scenario: Scenario) -> bool:
     """Does a user's law answer otherwise with another controller.gain?"""
-    place, own = scenario.start.position, scale_of(scenario).per_metre(scenario.controller.gain)  # pyright: ignore[reportAttributeAccessIssue]
+    settings: Any = scenario.controller
+    place, own = scenario.start.position, scale_of(scenario).per_metre(settings.gain)
     period = round(scenario.loop.sample_period * 1e9)
     samples = [Sample(k * period, place, 0.0, 67e5, 25e5, 0.0) for k in range(SAMPLES)]
     laws = [_deciding(at_gain(scenario, factor * own), 1.0) for factor in (1.0, 0.5)]

@@ -14,12 +14,10 @@ from bridge.scenario.references import Step
 from bridge.studies.stability.probe import stand_of
 from bridge.studies.stability.sampled_law import at_gain, free_gain
 from bridge.studies.stability.trial import Stand, trial
-from controller.stability.amplitude.edges import Edge, lasting
+from controller.stability.amplitude.edges import Edge, Scan, lasting, smallest_swinging
 from controller.stability.amplitude.swing import Swing, last_third
 
-RATIO = 1.15  # of the gain, from one run of the scan to the next
-TOLERANCE = 1.02  # of the gain, between settling and swinging
-RANGE = 64.0  # of the first gain, how far the scan goes up and down
+SCAN = Scan(ratio=1.15, tolerance=1.02, up=64.0, down=64.0, back=0.5)
 AT = 1.0  # [s], when the reference steps
 
 
@@ -47,22 +45,8 @@ def twin_swing(scenario: Scenario, gain: float, size: float, on: Stand | None = 
     return last_third(trace.time, trace.position)
 
 
-def step_edge(scenario: Scenario, size: float, first: float, tolerance: float = TOLERANCE) -> Edge:
+def step_edge(scenario: Scenario, size: float, first: float, tolerance: float = SCAN.tolerance) -> Edge:
     """The edge for a step of a size [m], scanned upwards from a gain `first` that had better be too low."""
     on = stand_of(scenario)
-    low, high, found = 0.0, first, twin_swing(scenario, first, size, on)
-    while found.counts and high > first / RANGE:  # too high to begin with
-        high /= 2.0
-        found = twin_swing(scenario, high, size, on)
-    if found.counts:
-        return Edge(0.0, high, found.frequency, found.peak_to_peak)
-    while not found.counts:
-        low, high = high, high * RATIO
-        if high > first * RANGE:
-            return Edge(low, math.inf, 0.0, 0.0)
-        found = twin_swing(scenario, high, size, on)
-    while high > low * tolerance:
-        middle = math.sqrt(low * high)
-        between = twin_swing(scenario, middle, size, on)
-        low, high, found = (low, middle, between) if between.counts else (middle, high, found)
-    return Edge(low, high, found.frequency, found.peak_to_peak)
+    scan = SCAN._replace(tolerance=tolerance)
+    return smallest_swinging(lambda gain: twin_swing(scenario, gain, size, on), first, scan)

@@ -20,10 +20,20 @@ from controller.stability.amplitude.swing import Swing, last_third
 SECONDS, PERIODS, DELAYS = 20.0, 200.0, 10.0  # of a run, the longest of them
 LONGEST, LEAST = 400.0, 20.0  # but at most so many seconds, or so many periods
 SLOWEST = 20.0  # [s], a sampling period
-RATIO = 1.25  # of the gain, from one run of a scan to the next
-TOLERANCE = 1.04  # of the gain, between settling and swinging
-UP, DOWN = 300.0, 10.0  # times the first gain, how far is searched
 BACK = 0.4  # of the first member's edge, where the others start: theirs may be much lower
+
+
+class Scan(NamedTuple):
+    """How gains are searched, all as ratios of gains."""
+
+    ratio: float  # from one run of the scan to the next
+    tolerance: float  # between settling and swinging
+    up: float  # times the first gain, how far is searched
+    down: float  # the first gain over this, how far back
+    back: float  # from one run to the next on the way down
+
+
+SCAN = Scan(ratio=1.25, tolerance=1.04, up=300.0, down=10.0, back=0.7)
 
 
 class Member(NamedTuple):
@@ -91,20 +101,25 @@ def swing(loop: Loop, gain: float, size: float, member: Member = MEMBERS[0]) -> 
 
 def edge(loop: Loop, size: float, member: Member, first: float) -> Edge:
     """The smallest gain at which a member swings, searched upwards from a gain `first`, or from what settles below."""
-    low, high, found = 0.0, first, swing(loop, first, size, member)
-    while found.counts and high > first / DOWN:
-        high *= 0.7
-        found = swing(loop, high, size, member)
+    return smallest_swinging(lambda gain: swing(loop, gain, size, member), first, SCAN)
+
+
+def smallest_swinging(swing_at: Callable[[float], Swing], first: float, scan: Scan) -> Edge:
+    """The edge of what `swing_at` does at a gain: down from `first` until it settles, up until it swings, bisected."""
+    low, high, found = 0.0, first, swing_at(first)
+    while found.counts and high > first / scan.down:
+        high *= scan.back
+        found = swing_at(high)
     if found.counts:
         return Edge(0.0, high, found.frequency, found.peak_to_peak)
     while not found.counts:
-        low, high = high, high * RATIO
-        if high > first * UP:
+        low, high = high, high * scan.ratio
+        if high > first * scan.up:
             return Edge(low, math.inf, 0.0, 0.0)
-        found = swing(loop, high, size, member)
-    while high > low * TOLERANCE:
+        found = swing_at(high)
+    while high > low * scan.tolerance:
         middle = math.sqrt(low * high)
-        between = swing(loop, middle, size, member)
+        between = swing_at(middle)
         low, high, found = (low, middle, between) if between.counts else (middle, high, found)
     return Edge(low, high, found.frequency, found.peak_to_peak)
 

@@ -84,9 +84,9 @@ def run_linear(
     z = np.zeros(len(law.c))
     counts = np.array([*spans.steps, *spans.every, spans.whole, samples, seed])
     numbers = np.array([law.limit, law.overlap, float(law.relay), law.clamped, s.position, size, when.at, when.period])
-    matrices = [np.ascontiguousarray(m, float) for m in (law.a, law.b, law.c, law.d, law.back)]
+    a, b, c, direct, back = (np.ascontiguousarray(m, float) for m in (law.a, law.b, law.c, law.d, law.back))
     ring = np.zeros(spans.whole + 1)
-    n = _run(d, *spans.paces, s, counts, numbers, *matrices, z, np.zeros(len(z)), ring, card, rows)  # pyright: ignore[reportCallIssue]
+    n = _run(d, *spans.paces, s, counts, numbers, a, b, c, direct, back, z, np.zeros(len(z)), ring, card, rows)
     return rows[:n, 0], rows[:n, 1]
 
 
