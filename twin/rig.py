@@ -195,7 +195,7 @@ RIG: dict[str, dict[str, Entry]] = {
         "position": Number(1600.0, "Hz", "assumed: a third of the usual carrier of 4.8 kHz; -3 dB", TINY),
         "pressure": Number(1600.0, "Hz", "assumed: a third of the usual carrier of 4.8 kHz; -3 dB", TINY),
     },
-    "pipe_1": _pipe(1.25, hose=False),
+    "pipe_1": _pipe(1.35, hose=False),
     "pipe_2": _pipe(2.05, hose=False),
     "pipe_3": _pipe(2.05, hose=True),
     "pipe_4": _pipe(2.1, hose=True),

@@ -126,7 +126,7 @@ def _system_law(system: Any, name: str) -> Any:
         raise ScenarioError(f"controller.law {name!r} has dt {system.dt}: give the sampling period in seconds")
     if (system.ninputs, system.noutputs) != (1, 1):
         raise ScenarioError(f"controller.law {name!r}: a system takes the position error alone and has one output")
-    states = control.ss(system)
+    states: Any = control.ss(system)
     a, b, c, d = (matrix.tolist() for matrix in (states.A, states.B, states.C, states.D))
     return system_law(a, b, c, d, float(system.dt))
 

@@ -2,6 +2,7 @@
 
 python -m bridge.studies.calibration                          the facts, before and after, as a table
 python -m bridge.studies.calibration --fit 1800               fit for half an hour, from the rig as it stands
+python -m bridge.studies.calibration --trade-off              what changes of one number bring
 python -m bridge.studies.calibration --fit 600 --weight "restart: peak of p2=5"    and see what that costs
 """
 
@@ -16,6 +17,7 @@ from bridge.studies.calibration.choices import CHOICES, chosen, of_the_rig, over
 from bridge.studies.calibration.facts import FACTS, Rig, evaluate
 from bridge.studies.calibration.fit import evolve, refine
 from bridge.studies.calibration.rest import AFTER, pressures_at_rest
+from bridge.studies.calibration.trade_off import SHOWN, marked, trade_off
 
 BEFORE = "assumed-rig"  # the scenario with the numbers before
 HALF = 0.5  # of the time for the evolution
@@ -27,7 +29,16 @@ def main() -> None:
     parser.add_argument("--fit", type=float, metavar="SECONDS", help="fit for so long before the tables")
     parser.add_argument("--seed", type=int, default=1, help="of the fit")
     parser.add_argument("--weight", action="append", default=[], metavar="FACT=W", help="of a fact in the fit; 0: none")
+    parser.add_argument("--trade-off", action="store_true", help="print what changes of one number bring, and end")
     options = parser.parse_args()
+    if options.trade_off:
+        print_trade_off()
+    else:
+        print_tables(options)
+
+
+def print_tables(options: argparse.Namespace) -> None:
+    """The facts and p2 at rest, before, as the rig stands, and after a fit that is asked for."""
     rigs: dict[str, Rig] = {"before": rig_of(BEFORE), "as it stands": overrides(of_the_rig())}
     if options.fit:
         values = fitted(options.fit, dict(map(weight, options.weight)), options.seed)
@@ -78,6 +89,14 @@ def print_facts(columns: Mapping[str, Mapping[str, float]]) -> None:
         values = [found[fact.name] for found in columns.values()]
         marked = [f"{v:.4g}" if fact.low <= v <= fact.high else f"**{v:.4g}**" for v in values]
         print(f"| {fact.name}, {fact.unit} | {fact.low:g} .. {fact.high:g} | {' | '.join(marked)} |")
+
+
+def print_trade_off() -> None:
+    """Each change, what it brings, and the sum of the squares of all misses."""
+    print(f"| change | {' | '.join(SHOWN)} | sum |\n|---|{'---|' * (len(SHOWN) + 1)}")
+    for row in trade_off():
+        cells = [marked(name, value) for name, value in row.found.items()]
+        print(f"| {row.words} | {' | '.join(cells)} | {row.squares:.1f} |", flush=True)
 
 
 def print_rest(name: str, rig: Rig) -> None:

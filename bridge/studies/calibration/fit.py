@@ -8,7 +8,7 @@ is bounded: differential evolution about a start, then a pattern search along ea
 
 import time
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,8 +77,9 @@ def evolve(start: Array, seconds: float, weights: Weights, seed: int = 1) -> Fit
     crowd = np.random.default_rng(seed).random((POPULATION * len(CHOICES), len(CHOICES)))
     crowd[::2] = np.clip(start + SPREAD * (crowd[::2] - 0.5), 0.0, 1.0)
     crowd[0] = start
+    start_of: Any = crowd  # of which the stub of scipy knows the word alone
     differential_evolution(
-        budget, [(0.0, 1.0)] * len(CHOICES), init=crowd, maxiter=1000, polish=False, rng=seed,
+        budget, [(0.0, 1.0)] * len(CHOICES), init=start_of, maxiter=1000, polish=False, rng=seed,
         callback=lambda *_: budget.spent,
     )  # fmt: skip
     return budget.fitted()
