@@ -1,7 +1,7 @@
 """Control laws: from one sample of the rig and the target to the spool reference of the proportional valve.
 
 A law is a pure function of sample, target, memory and its own gains; a user's own law has the same signature. Sign: a
-positive spool reference lifts the piston. Source, chapter 5: u = -(s y1 + d y2), so the derivative acts on the
+positive spool reference lifts the piston. The thesis, chapter 5: u = -(s y1 + d y2), so the derivative acts on the
 velocity of the piston and not on that of the error. A NaN in the sample gives a NaN command, which the plant refuses.
 """
 

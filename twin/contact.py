@@ -28,7 +28,7 @@ def travel(position: float, speed: float, stops: Stops, time: float) -> tuple[fl
 
 
 @inlined
-def held(position: float, speed: float, stops: Stops) -> float:
+def stopped(position: float, speed: float, stops: Stops) -> float:
     """The speed a stop allows: none into it."""
     if position <= 0.0:
         return max(speed, 0.0)

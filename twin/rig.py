@@ -32,7 +32,7 @@ Entry = Number | Choice
 Values = Mapping[str, Mapping[str, Any]]  # part -> name -> number or word
 
 TINY = 1e-12  # smallest value of what must not be zero
-STEEL = Number(2.1e11, "Pa", "steel; the source used 2.1e10, ten times too small", TINY)
+STEEL = Number(2.1e11, "Pa", "steel; the thesis used 2.1e10, ten times too small", TINY)
 RUBBER = Number(1.09e9, "Pa", "2.2.3, HIDOL hose", TINY)
 FITTED = "fitted to the facts of 2.3 and 2.6, docs/calibration.md"
 MODELS = ("ends", "nodes", "lumped")
@@ -106,13 +106,13 @@ RIG: dict[str, dict[str, Entry]] = {
         "spool_precompression": Number(5e-3, "m", "assumed: 2.57 bar"),
         "spool_travel": Number(4e-3, "m", "Table 2.3", TINY),
         "spool_restitution": Number(0.2, "", "assumed", 0.0, 1.0),
-        "spool_discharge": Number(0.61, "", "named choice: stated in 2.4; all numbers of the source use 0.8", TINY),
+        "spool_discharge": Number(0.61, "", "named choice: stated in 2.4; all numbers of the thesis use 0.8", TINY),
         "damping_length": Number(10e-3, "m", "named choice: the printed 32.74 N s/m needs 10 mm; 20 mm is stated"),
         "rest_speed": Number(1e-4, "m/s", "assumed, slower impacts of both stages are dead"),
         "pilot_seat": Choice("chamfered", ("chamfered", "conical"), "2.4; conical: the long one of chapter 3"),
         "seat_length": Number(3.21e-3, "m", "Figure 3.1, of the conical seat, along the gap", TINY),
         "film_floor": Number(5e-6, "m", "assumed: lift below which its squeeze film grows no stiffer", TINY),
-        "channel_volume": Number(0.0, "m^3", "oil before the pilot seat; 0: incompressible, as in the source"),
+        "channel_volume": Number(0.0, "m^3", "oil before the pilot seat; 0: incompressible, as in the thesis"),
     },
     "chatter": {
         "volume": Number(2.356e-4, "m^3", "4.2.1, before the pilot: 3 m of a pipe of 10 mm", TINY),
@@ -141,12 +141,12 @@ RIG: dict[str, dict[str, Entry]] = {
         "rate": Number(50.0, "1/s", "assumed, 20 ms for the travel", TINY),
         "discharge": Number(0.61, "", "2.4, sharp edge", TINY),
         "transition": Number(9.33, "", "2.4, transition Reynolds number"),
-        "full_scale": Number(10.0, "V", "data sheet; the source prints mV", TINY),
+        "full_scale": Number(10.0, "V", "data sheet; the thesis prints mV", TINY),
     },
     "switching_valve": {
         "rated_flow": Number(60e-3 / 60.0, "m^3/s", "assumed, 4WE 10 G", TINY),
         "rated_drop": Number(5e5, "Pa", f"over one land; {FITTED}", TINY),
-        "switching_time": Number(50e-3, "s", f"{FITTED}; the source takes it as zero and finds that wrong", TINY),
+        "switching_time": Number(50e-3, "s", f"{FITTED}; the thesis takes it as zero and finds that wrong", TINY),
         "return_time": Number(20e-3, "s", f"by the springs; {FITTED}", TINY),
         "cylinder_opens": Number(0.34, "", f"share of the travel; {FITTED}", 0.0, 0.9),
         "idle_shuts": Number(0.54, "", f"share of the travel; {FITTED}", 0.1, 1.0),

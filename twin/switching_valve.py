@@ -1,6 +1,6 @@
 """Switching valve 4/3 with tandem centre: at rest P runs to T and the cylinder is shut in.
 
-2.2.1, the valve of the source's load-change and impingement tests. Switched, the spool travels at constant speed, by
+2.2.1, the valve of the thesis's load-change and impingement tests. Switched, the spool travels at constant speed, by
 its magnet outwards and by its springs back. The lands to the cylinder open from one share of the travel on, the land
 P-T is shut from another on, each in proportion to the travel (assumed): where they overlap the pump meets the cylinder
 while it still runs to the tank, and where neither is open it has the relief valve alone.

@@ -20,7 +20,7 @@ from tests.support.exact_line import (
     error,
 )
 from twin.kernel import kernel
-from twin.lines.bank import Bank, bank_of, leave, memory_size, oncoming, settle
+from twin.lines.bank import Bank, arriving, bank_of, departing, memory_size, settle
 from twin.lines.fit import SHORTEST
 from twin.lines.spec import LOSSES
 
@@ -46,11 +46,11 @@ def random_pipes(count: int) -> list[Pipe]:
 def spin(bank, memory, c, z, q, source, steps: int) -> None:
     """A circuit as small as can be: a noisy source behind Z at each end 1, a load of 0.3 Z at each end 2."""
     for tick in range(steps):
-        oncoming(bank, memory, tick, c, z)
+        arriving(bank, memory, tick, c, z)
         for i in range(len(c) // 2):
             q[2 * i] = (source[tick & 1023] - c[2 * i]) / (2.0 * z[2 * i])
             q[2 * i + 1] = -c[2 * i + 1] / (1.3 * z[2 * i + 1])
-        leave(bank, memory, tick, q)
+        departing(bank, memory, tick, q)
 
 
 def nanoseconds(bank: Bank, steps: int = 100_000) -> float:

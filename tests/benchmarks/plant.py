@@ -19,7 +19,7 @@ from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import MEMORY_AT, ends_of, flatten
 from twin.kernel import kernel
-from twin.lines.bank import leave, oncoming, unpacked
+from twin.lines.bank import arriving, departing, unpacked
 from twin.rig import values
 
 Row = tuple[str, str, str, str]
@@ -53,8 +53,8 @@ def lines_alone(state, whole, numbers, first: int, steps: int) -> None:
     """What a step does for the lines, the flows at their ends held."""
     bank, ends, memory = unpacked(whole, numbers), ends_of(state), state[MEMORY_AT:]
     for tick in range(first, first + steps):
-        oncoming(bank, memory, tick, ends.free, ends.impedance)
-        leave(bank, memory, tick, ends.flow)
+        arriving(bank, memory, tick, ends.free, ends.impedance)
+        departing(bank, memory, tick, ends.flow)
 
 
 def block_times(plant: Plant, spool: float, blocks: int) -> NDArray[np.float64]:

@@ -37,7 +37,7 @@ def test_high_orders_pay(wave):
 
 
 def test_ends_held_over_the_step_hide_all_differences():
-    """The source's picture: whatever the space, the same 16 % at 40 cells; FEM looks no worse than any."""
+    """The thesis's picture: whatever the space, the same 16 % at 40 cells; FEM looks no worse than any."""
     found = [run(smooth, space, HELD, 40).error for space in ("cds3", "cds5", "fem", "chebyshev")]
     assert found == pytest.approx([0.155] * 4, rel=0.05)
 

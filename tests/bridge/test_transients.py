@@ -75,7 +75,7 @@ def test_a_faster_pump_is_sooner_everywhere():
 
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_the_pump_is_heard_at_p1_alone_while_the_cylinder_is_shut_in(speed: int):
-    """The source: noise occurs only at p1, as p2 and p3 are separated from the pump."""
+    """The thesis: noise occurs only at p1, as p2 and p3 are separated from the pump."""
     run = experiment(speed)
     shut = between(run.time, RESTART[speed] - 0.15, RESTART[speed])
     assert np.ptp(run.p1[shut]) > 4 * BAR
@@ -141,7 +141,7 @@ def test_the_impact_starves_the_upper_chamber_and_the_relief_valve_takes_all():
 
 
 def test_p2_dips_when_the_valve_joins_it_to_the_idle_line():
-    """The source: a slight depression in p2 as pipe 2 is connected, then a peak of about 70 bar; here it is higher."""
+    """The thesis: a slight depression in p2 as pipe 2 is connected, then a peak of about 70 bar; here it is higher."""
     figure = impingement()
     course, start = figure.transient, figure.bounds[1]
     joined = between(course.time, start, start + SWITCHED)

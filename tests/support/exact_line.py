@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.special import ive
 
 from twin.kernel import allocating_kernel
-from twin.lines.bank import Bank, bank_of, leave, memory_size, oncoming, settle
+from twin.lines.bank import Bank, arriving, bank_of, departing, memory_size, settle
 from twin.lines.spec import LineSpec
 
 Array = NDArray[np.float64]
@@ -167,7 +167,7 @@ def drive(bank, memory, kinds, values, resistance, out) -> None:
     """
     c, z, q = np.zeros(2), np.zeros(2), np.zeros(2)
     for tick in range(len(values)):
-        oncoming(bank, memory, tick, c, z)
+        arriving(bank, memory, tick, c, z)
         for end in range(2):
             kind, value = kinds[tick, end], values[tick, end]
             if kind == HELD_FLOW:
@@ -175,7 +175,7 @@ def drive(bank, memory, kinds, values, resistance, out) -> None:
             else:
                 q[end] = (value - c[end]) / (z[end] + (resistance[end] if kind == SOURCE else 0.0))
             out[tick, end], out[tick, 2 + end] = c[end] + z[end] * q[end], q[end]
-        leave(bank, memory, tick, q)
+        departing(bank, memory, tick, q)
 
 
 def at_rest(spec: LineSpec, step: float, vapour_pressure: float = -1e12) -> tuple[Bank, Array]:

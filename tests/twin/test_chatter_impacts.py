@@ -7,7 +7,7 @@ import pytest
 
 from twin.chatter.basin import CALM, HITS, SWINGS, basin, bifurcation, boundary_flow, chart
 from twin.chatter.equilibrium import bare, onset, rest
-from twin.chatter.flight import HIT, TOP, Point, bounce, fly, move, seated
+from twin.chatter.flight import HIT, TOP, Point, advance, bounce, move, seated
 from twin.chatter.grazing import grazing_damping, grazing_flow
 from twin.chatter.impact import impact_orbit, motion, orbit_error
 from twin.chatter.lyapunov import change
@@ -45,11 +45,11 @@ def test_events_are_at_their_own_instants():
     """Without oil (beta 0) and damping the poppet is a harmonic oscillator: y1 = p + A sin(t - t0) with p = y3 - e."""
     s = System(CHAMFERED, 0.0, 1.0, 1.0, 0.0, 0.8)
     p, speed = 0.3, 2.0  # y3 = 1.3, released from the seat
-    at = fly(Point(0.0, 0.0, speed, 1.3, 0.1, 0.0), 1e9, 1e-13, s)
+    at = advance(Point(0.0, 0.0, speed, 1.3, 0.1, 0.0), 1e9, 1e-13, s)
     reach, phase = math.hypot(p, speed), math.atan2(p, speed)
     assert (at.event, at.time) == (TOP, pytest.approx(0.5 * math.pi + phase, abs=1e-11))
     assert at.y1 == pytest.approx(p + reach, abs=1e-12)
-    at = fly(at, 1e9, 1e-13, s)
+    at = advance(at, 1e9, 1e-13, s)
     assert (at.event, at.y1, at.time) == (HIT, 0.0, pytest.approx(math.pi + 2.0 * phase, abs=1e-11))
     assert at.y2 == pytest.approx(-speed, abs=1e-12)
     at = bounce(at, 1.0, s)
@@ -59,9 +59,9 @@ def test_events_are_at_their_own_instants():
 def test_a_graze_within_a_step_is_seen():
     """The lowest lift lies 1e-6 below the seat, inside a step whose ends both lie above it."""
     s = System(CHAMFERED, 0.0, 1.0, 0.0, 0.0, 0.8)
-    low = fly(Point(0.0, 1.0, 0.0, 0.5 - 1e-6 / 2, 0.5, 0.0), 1e9, 1e-9, s)
+    low = advance(Point(0.0, 1.0, 0.0, 0.5 - 1e-6 / 2, 0.5, 0.0), 1e9, 1e-9, s)
     assert low.event == HIT
-    clear = fly(Point(0.0, 1.0, 0.0, 0.5 + 1e-6, 0.5, 0.0), 1e9, 1e-9, s)
+    clear = advance(Point(0.0, 1.0, 0.0, 0.5 + 1e-6, 0.5, 0.0), 1e9, 1e-9, s)
     assert clear.event == TOP
 
 

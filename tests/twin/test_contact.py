@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from twin.contact import Stops, held, travel
+from twin.contact import Stops, stopped, travel
 
 STOPS = Stops(stroke=0.27, restitution=0.2, rest_speed=1e-3)
 
@@ -24,10 +24,10 @@ def test_an_impact_happens_at_its_own_instant(position: float, speed: float, sig
 
 def test_a_slow_impact_is_dead_and_the_stop_holds():
     assert travel(1e-8, -0.9e-3, STOPS, 1e-3) == (0.0, 0.0)
-    assert held(0.0, -1.0, STOPS) == 0.0
-    assert held(0.0, 1.0, STOPS) == 1.0
-    assert held(0.27, 1.0, STOPS) == 0.0
-    assert held(0.1, -1.0, STOPS) == -1.0
+    assert stopped(0.0, -1.0, STOPS) == 0.0
+    assert stopped(0.0, 1.0, STOPS) == 1.0
+    assert stopped(0.27, 1.0, STOPS) == 0.0
+    assert stopped(0.1, -1.0, STOPS) == -1.0
 
 
 @given(st.floats(0.0, 0.27), st.floats(-5.0, 5.0), st.floats(1e-6, 1e-3))
@@ -41,9 +41,9 @@ def test_a_dropped_mass_bounces_to_rest_in_the_time_of_the_series():
     """From 0.1 m: impacts at v1 = sqrt(2 g h), then bounces of 2 v_n/g with v_n = e^n v1, down to the rest speed."""
     h, x, v, t = 1e-5, 0.1, 0.0, 0.0
     while not (x == 0.0 and v == 0.0):
-        v = held(x, v - 0.5 * h * 9.81, STOPS)
+        v = stopped(x, v - 0.5 * h * 9.81, STOPS)
         x, v = travel(x, v, STOPS, h)
-        v = held(x, v - 0.5 * h * 9.81, STOPS)
+        v = stopped(x, v - 0.5 * h * 9.81, STOPS)
         t += h
         assert t < 1.0
     first = (2.0 * 9.81 * 0.1) ** 0.5

@@ -33,10 +33,10 @@ from tests.support.exact_line import (
 )
 from twin.lines.bank import (
     Bank,
+    arriving,
     bank_of,
-    leave,
+    departing,
     memory_size,
-    oncoming,
     packed,
     profile,
     settle,
@@ -241,9 +241,9 @@ def test_lines_of_a_bank_do_not_disturb_each_other():
     q = np.random.default_rng(2).normal(size=(300, 2 * n)) * 1e-7
     c, z, pressures = np.zeros(2 * n), np.zeros(2 * n), np.zeros((300, 2 * n))
     for tick in range(300):
-        oncoming(together, memory, tick, c, z)
+        arriving(together, memory, tick, c, z)
         pressures[tick] = c + z * q[tick]
-        leave(together, memory, tick, q[tick])
+        departing(together, memory, tick, q[tick])
     for i, spec in enumerate(specs):
         alone = run(*at_rest(spec, 50e-6, -1e5), (HELD_FLOW, HELD_FLOW), q[:, 2 * i : 2 * i + 2].copy())
         assert np.array_equal(alone[:, :2], pressures[:, 2 * i : 2 * i + 2])
@@ -270,9 +270,9 @@ def test_profile_against_the_exact_line(pipe: Pipe, step: float):
     xi, count = np.array([0.25, 0.5, 0.75]), int(TRAVELS * pipe.travel_time / step)
     c, z, q, shape, found = np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(3), np.zeros((3, count))
     for k in range(count):
-        oncoming(bank, memory, k, c, z)
+        arriving(bank, memory, k, c, z)
         q[:] = 1e-7 * min(1.0, (k + 1) * step / RAMP), -c[1] / z[1]
-        leave(bank, memory, k, q)
+        departing(bank, memory, k, q)
         profile(bank, memory, k, 0, xi, shape)
         found[:, k] = shape / (1e-7 * pipe.impedance)
     for place, p in zip(xi, found, strict=True):

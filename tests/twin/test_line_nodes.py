@@ -18,7 +18,7 @@ from tests.support.exact_line import (
     error,
     run,
 )
-from twin.lines.bank import bank_of, inner_cavity, leave, memory_size, oncoming, profile, settle, steady_drop
+from twin.lines.bank import arriving, bank_of, departing, inner_cavity, memory_size, profile, settle, steady_drop
 from twin.lines.mesh import MIDDLE as SHORTEST_MIDDLE
 from twin.lines.mesh import SEGMENTS, cut, friction_poles
 
@@ -127,8 +127,8 @@ def drained(steps: int, vapour: float = VAPOUR) -> tuple[np.ndarray, np.ndarray,
 
 def step_at(bank, memory, tick: int, flow: float) -> np.ndarray:
     c, z, q = np.zeros(2), np.zeros(2), np.full(2, flow)
-    oncoming(bank, memory, tick, c, z)
-    leave(bank, memory, tick, q)
+    arriving(bank, memory, tick, c, z)
+    departing(bank, memory, tick, q)
     return np.concatenate([c + z * q, q])
 
 

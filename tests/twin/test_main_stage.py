@@ -16,7 +16,7 @@ from twin.relief.main_stage import mouth
     ],
 )
 def test_the_damping_of_the_spool_is_as_printed(numbers: dict[str, float], film: float, surge: float, damper: float):
-    """(2.37), (2.38) at 40 bar, (2.40). The source's numbers use 22 mm, 0.8 and L = 10 mm, not the 20 mm stated."""
+    """(2.37), (2.38) at 40 bar, (2.40). The thesis's numbers use 22 mm, 0.8 and L = 10 mm, not the 20 mm stated."""
     v = valve(**numbers)
     assert v.main.film == pytest.approx(film, rel=5e-5)
     assert v.main.surge * math.sqrt(40 * BAR) == pytest.approx(surge, rel=2e-3)

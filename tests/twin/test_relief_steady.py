@@ -90,7 +90,7 @@ def test_the_flow_is_that_of_an_independent_solution(bar: float):
 
 
 def test_the_poppet_lift_at_70_bar_is_the_root_that_iteration_misses():
-    """The source's function iteration cycles between 12.4 and 1.6 um there."""
+    """The thesis's function iteration cycles between 12.4 and 1.6 um there."""
     assert rest(70 * BAR, valve(pilot_precompression=0.2e-3)).pilot_lift == pytest.approx(8.123e-6, abs=5e-10)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.chatter.equilibrium import onset, rest
-from twin.chatter.flight import END, HIT, TOP, Point, go_on
+from twin.chatter.flight import END, HIT, TOP, Point, next_event
 from twin.chatter.impact import motion
 from twin.chatter.system import System
 from twin.kernel import allocating_kernel, kernel
@@ -32,7 +32,7 @@ def verdict(y1: float, y2: float, y3: float, steady: float, stable: bool, most: 
         highest, hit = 0.0, False
         for _ in range(BLOCK):
             for _ in range(1000):
-                at = go_on(at, 1e300, TOLERANCE * steady, steady, s)
+                at = next_event(at, 1e300, TOLERANCE * steady, steady, s)
                 if at.event == TOP or at.event == END:
                     break
                 hit = hit or at.event == HIT

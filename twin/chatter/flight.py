@@ -107,7 +107,7 @@ def event_step(y1: float, y2: float, y3: float, high: float, lift: bool, s: Syst
 
 
 @kernel
-def fly(at: Point, end: float, tolerance: float, s: System) -> Point:
+def advance(at: Point, end: float, tolerance: float, s: System) -> Point:
     """On to the next event, or to the time `end`; tolerance: of a step, absolute. END after MOST steps, too."""
     t, y1, y2, y3, h = at.time, at.y1, at.y2, at.y3, at.step
     for _ in range(MOST):
@@ -152,11 +152,11 @@ def bounce(at: Point, scale: float, s: System) -> Point:
 
 
 @inlined
-def go_on(at: Point, end: float, tolerance: float, scale: float, s: System) -> Point:
+def next_event(at: Point, end: float, tolerance: float, scale: float, s: System) -> Point:
     """The next event; an impact of the event before is answered first."""
     if at.event == HIT:
         at = bounce(at, scale, s)
-    return fly(at, end, tolerance, s)
+    return advance(at, end, tolerance, s)
 
 
 @kernel

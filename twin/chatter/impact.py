@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.chatter.equilibrium import rest
-from twin.chatter.flight import HIT, TOP, Point, go_on
+from twin.chatter.flight import HIT, TOP, Point, next_event
 from twin.chatter.system import System
 from twin.kernel import allocating_kernel, kernel
 
@@ -38,7 +38,7 @@ def tops(y1: float, y2: float, y3: float, skip: int, count: int, tolerance: floa
     at = Point(0.0, y1, y2, y3, 1e-3, 0.0)
     n, hardest, hits = 0, 0.0, 0.0
     for _ in range(2000 * (skip + count)):
-        at = go_on(at, 1e300, tolerance * scale, scale, s)
+        at = next_event(at, 1e300, tolerance * scale, scale, s)
         if at.event == HIT:
             hardest, hits = max(hardest, -at.y2), hits + 1.0
         elif at.event == TOP:
@@ -67,7 +67,7 @@ def next_top(
     at = Point(0.0, y1, 0.0, y3, 1e-3, 0.0)
     hardest, hits = 0.0, 0.0
     for _ in range(1000):
-        at = go_on(at, 1e300, tolerance * scale, scale, s)
+        at = next_event(at, 1e300, tolerance * scale, scale, s)
         if at.event != HIT:
             break
         hardest, hits = max(hardest, -at.y2), hits + 1.0

@@ -13,7 +13,7 @@ from twin.chatter.equilibrium import rest
 from twin.chatter.inlet_line import InletLine
 from twin.chatter.system import System
 from twin.kernel import allocating_kernel, inlined
-from twin.lines.bank import bank_of, leave, oncoming, settle, steady_drop
+from twin.lines.bank import arriving, bank_of, departing, settle, steady_drop
 from twin.lines.spec import LineSpec
 
 Array = NDArray[np.float64]
@@ -51,11 +51,11 @@ def _run(y1, y2, y3, source, constant_flow, chamfered, bank, memory, steps, s):
         y1 = y1 + h * half
         if y1 < 0.0:
             y1, half = 0.0, -s.restitution * half
-        oncoming(bank, memory, tick, c, z)
+        arriving(bank, memory, tick, c, z)
         y3 = seat_pressure(c[1], z[1], y1, chamfered)
         q[0] = source if constant_flow else (source - c[0]) / z[0]
         q[1] = (y3 - c[1]) / z[1]
-        leave(bank, memory, tick, q)
+        departing(bank, memory, tick, q)
         y2 = (half + 0.5 * h * (y3 - y1 - s.precompression)) / (1.0 + 0.5 * h * s.damping)
         force = y3 - y1 - s.precompression - s.damping * y2
         lifts[tick] = y1

@@ -19,7 +19,7 @@ from twin.circuit.step import (
 )
 from twin.cylinder import Chambers, stored_oil
 from twin.fitting import fitting_resistance
-from twin.lines.bank import memory_size, oncoming, settle, steady_drop
+from twin.lines.bank import arriving, memory_size, settle, steady_drop
 from twin.load import carried_mass, weight_at
 from twin.minor_losses import loss_at_end, minor_drop, resist
 from twin.orifice import resistance
@@ -161,7 +161,7 @@ def _core(p: Pressures, relieved: float, piston: Piston, spool: Spool, circuit: 
 def _with_tee(state: State, circuit: Circuit) -> State:
     """What the relief valve has met: the port of the tee at this instant."""
     free, impedance = np.zeros((2, len(ENDS)))
-    oncoming(circuit.lines, state.memory.copy(), 1, free, impedance)
+    arriving(circuit.lines, state.memory.copy(), 1, free, impedance)
     resist(circuit.parts.losses, state.ends.flow, impedance)
     series = fitting_resistance(state.ends.flow[TEE_2], circuit.parts.fitting)
     port = joined(free[TEE_1], impedance[TEE_1], free[TEE_2], impedance[TEE_2] + series)

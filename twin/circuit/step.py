@@ -16,12 +16,12 @@ from typing import NamedTuple
 from numpy.typing import NDArray
 
 from twin.amplifier import Amplifiers, Direct
-from twin.contact import Stops, held, travel
+from twin.contact import Stops, stopped, travel
 from twin.cylinder import Chambers, Cylinder, drive, fill_chambers
 from twin.fitting import Fitting, fitting_resistance
 from twin.kernel import inlined
 from twin.lands import Lands, Ports, land_flows
-from twin.lines.bank import Bank, leave, oncoming
+from twin.lines.bank import Bank, arriving, departing
 from twin.load import Load, Weight, carried_mass, contact_force, kick_weight, move_weight, pick_up
 from twin.minor_losses import Losses, resist
 from twin.oil import Oil
@@ -142,7 +142,7 @@ def return_tee(ends: Ends, step: float) -> Port:
 
 
 @inlined
-def press(end: int, p: float, ends: Ends) -> None:
+def set_pressure(end: int, p: float, ends: Ends) -> None:
     """A line end takes a pressure."""
     ends.pressure[end] = p
     ends.flow[end] = (p - ends.free[end]) / ends.impedance[end]
@@ -153,7 +153,7 @@ def deliver(end: int, port: Port, flow: float, ends: Ends, parts: Parts) -> floa
     """One line end takes what a component delivers; returns the pressure."""
     p = pressure(port, flow, parts.oil.vapour_pressure)
     ends.cavity[end] = cavity(port, flow, p, parts.step) if p == parts.oil.vapour_pressure else 0.0
-    press(end, p, ends)
+    set_pressure(end, p, ends)
     return p
 
 
@@ -215,8 +215,8 @@ def valve_side(spool: float, ends: Ends, parts: Parts) -> None:
 def return_side(ends: Ends, parts: Parts) -> None:
     """Return tee and tank."""
     p = deliver(BACK_5, return_tee(ends, parts.step), 0.0, ends, parts)
-    press(BACK_6, p, ends)
-    press(TANK, 0.0, ends)
+    set_pressure(BACK_6, p, ends)
+    set_pressure(TANK, 0.0, ends)
 
 
 @inlined
@@ -227,7 +227,7 @@ def kick(piston: Piston, weight: Weight, p: Chambers, parts: Parts, time: float)
     force = drive(p, parts.cylinder) - mass * load.gravity + load.force - push
     velocity = slide(piston.velocity, force, mass, abs(p.lower - p.upper), parts.seal, time)
     kicked = kick_weight(weight, push, load, time)
-    return Piston(piston.position, held(piston.position, velocity, parts.stops)), kicked
+    return Piston(piston.position, stopped(piston.position, velocity, parts.stops)), kicked
 
 
 @inlined
@@ -258,8 +258,8 @@ def cylinder_side(stored: Chambers, piston: Piston, ends: Ends, parts: Parts) ->
     lower = Port(ends.free[LOWER], ends.impedance[LOWER])
     upper = Port(ends.free[UPPER], ends.impedance[UPPER])
     stored, p = fill_chambers(stored, before, inflow, lower, upper, piston.position, parts.cylinder, parts.step)
-    press(LOWER, p.lower, ends)
-    press(UPPER, p.upper, ends)
+    set_pressure(LOWER, p.lower, ends)
+    set_pressure(UPPER, p.upper, ends)
     return stored
 
 
@@ -280,14 +280,14 @@ def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, m
     piston, weight = kick(s.piston, s.weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
     piston, weight = move_piston(piston, weight, parts)
     spool = move_valve(s.spool, reference, parts)
-    oncoming(bank, memory, int(tick), ends.free, ends.impedance)
+    arriving(bank, memory, int(tick), ends.free, ends.impedance)
     resist(parts.losses, ends.flow, ends.impedance)
     pumped = pump_side(tick, ends, parts)
     relief, tee = relief_side(s.relief, s.tee, ends, parts)
     valve_side(spool.position, ends, parts)
     chambers = cylinder_side(s.chambers, piston, ends, parts)
     return_side(ends, parts)
-    leave(bank, memory, int(tick), ends.flow)
+    departing(bank, memory, int(tick), ends.flow)
     count_oil(ends.oil, ends.flow, lower, upper, h)
     piston, weight = kick(piston, weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
     velocity, weight = pick_up(piston.position, piston.velocity, weight, parts.load)

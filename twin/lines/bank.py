@@ -5,9 +5,9 @@ density], p gauge [Pa]; c and Z come from the past only. Ends are counted line 0
 
     settle(bank, memory, p, q)             once: steady at the instant before the first and ever since
     for tick in 0, 1, 2, ...:              ticks may start anywhere from 0, but follow one another
-        oncoming(bank, memory, tick, c, z)     reads only; then solve the circuit for q
-        leave(bank, memory, tick, q)           exactly once per tick
-        profile(bank, memory, tick, ...)       at will, after leave of that tick
+        arriving(bank, memory, tick, c, z)     reads only; then solve the circuit for q
+        departing(bank, memory, tick, q)           exactly once per tick
+        profile(bank, memory, tick, ...)       at will, after `departing` of that tick
 
 Turbulent friction beyond the laminar one, r >= 0 from the flow of the instant before, sits half at each end of an
 `ends` line, from each end's own flow: where a front divides the pipe only the part behind it resists, and r q^2 takes
@@ -159,25 +159,25 @@ def memory_size(bank: Bank) -> int:
 
 
 @inlined
-def oncoming(bank, memory, tick: int, c, z) -> None:
+def arriving(bank, memory, tick: int, c, z) -> None:
     """Fill c [Pa] and z [Pa s/m^3] of all ends for the instant of the tick."""
     if len(bank.ends_place):
-        ends.oncoming(bank.ends_place, bank.ends_layout, bank.ends_numbers, memory, c, z)
+        ends.arriving(bank.ends_place, bank.ends_layout, bank.ends_numbers, memory, c, z)
     if len(bank.nodes_lines):
-        nodes.oncoming(bank.nodes_lines, bank.nodes_place, bank.nodes_layout, bank.nodes_numbers, memory, tick, c, z)
+        nodes.arriving(bank.nodes_lines, bank.nodes_place, bank.nodes_layout, bank.nodes_numbers, memory, tick, c, z)
     if len(bank.lumped_lines):
-        lumped.oncoming(bank.lumped_lines, bank.lumped_place, bank.lumped_numbers, memory, c, z)
+        lumped.arriving(bank.lumped_lines, bank.lumped_place, bank.lumped_numbers, memory, c, z)
 
 
 @inlined
-def leave(bank, memory, tick: int, q) -> None:
+def departing(bank, memory, tick: int, q) -> None:
     """Take the flows into all ends [m^3/s] at the instant of the tick."""
     if len(bank.ends_place):
-        ends.leave(bank.ends_place, bank.ends_layout, bank.ends_numbers, memory, tick, q)
+        ends.departing(bank.ends_place, bank.ends_layout, bank.ends_numbers, memory, tick, q)
     if len(bank.nodes_lines):
-        nodes.leave(bank.nodes_lines, bank.nodes_place, bank.nodes_layout, bank.nodes_numbers, memory, tick, q)
+        nodes.departing(bank.nodes_lines, bank.nodes_place, bank.nodes_layout, bank.nodes_numbers, memory, tick, q)
     if len(bank.lumped_lines):
-        lumped.leave(bank.lumped_lines, bank.lumped_place, bank.lumped_numbers, memory, q)
+        lumped.departing(bank.lumped_lines, bank.lumped_place, bank.lumped_numbers, memory, q)
 
 
 @kernel
@@ -191,7 +191,7 @@ def settle(bank, memory, p, q) -> None:
 
 @kernel
 def profile(bank, memory, tick: int, line: int, xi, out) -> None:
-    """Pressure [Pa] at places xi (0 end 1 .. 1 end 2) after `leave` of the tick."""
+    """Pressure [Pa] at places xi (0 end 1 .. 1 end 2) after `departing` of the tick."""
     slot = bank.slot[line]
     if bank.model[line] == ENDS:
         ends.profile(bank.ends_place, bank.ends_layout, bank.ends_numbers, memory, slot, tick, xi, out)

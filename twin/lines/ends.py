@@ -54,7 +54,7 @@ from twin.lines.friction import LAMINAR_LIMIT, turbulence
 
 
 @kernel
-def oncoming(place, layout, numbers, memory, c, z) -> None:
+def arriving(place, layout, numbers, memory, c, z) -> None:
     """Fill c and Z of all ends. Reads only: asking twice changes nothing."""
     for k in range(len(place)):
         m, f, whole = memory[place[k] :], numbers[k], layout[k]
@@ -66,7 +66,7 @@ def oncoming(place, layout, numbers, memory, c, z) -> None:
 
 
 @kernel
-def leave(place, layout, numbers, memory, tick: int, q) -> None:
+def departing(place, layout, numbers, memory, tick: int, q) -> None:
     """Take the flows [m^3/s] of the instant and move the states on to the next."""
     for k in range(len(place)):
         m, f, whole = memory[place[k] :], numbers[k], layout[k]
@@ -160,7 +160,7 @@ def _settle_states(m, f, i: int) -> None:
 
 @kernel
 def profile(place, layout, numbers, memory, number: int, tick: int, xi, out) -> None:
-    """Inner pressure [Pa] at places xi of the ends line of a number among them, after `leave`, from its waves:
+    """Inner pressure [Pa] at places xi of the ends line of a number among them, after `departing`, from its waves:
 
     p = (a1(t - xi T) + a2(t - (1 - xi) T))/2 + (1 - xi) e1 + xi e2, e1 = (b1(t) - a2(t - T))/2 and its mirror. Exact at
     both ends, in steady flow and without friction.

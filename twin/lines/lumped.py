@@ -36,7 +36,7 @@ def coefficients(line: LineNumbers, step: float) -> NDArray[np.float64]:
 
 
 @kernel
-def oncoming(lines, place, numbers, memory, c, z) -> None:
+def arriving(lines, place, numbers, memory, c, z) -> None:
     """Fill c and Z of the ends of these lines. Reads only."""
     for k in range(len(lines)):
         i, at = lines[k], place[k]
@@ -45,7 +45,7 @@ def oncoming(lines, place, numbers, memory, c, z) -> None:
 
 
 @kernel
-def leave(lines, place, numbers, memory, q) -> None:
+def departing(lines, place, numbers, memory, q) -> None:
     """Take the flows [m^3/s] of the instant and move on to the next."""
     for k in range(len(lines)):
         i, at, z, push = lines[k], place[k], numbers[k, Z], numbers[k, PER_INERTANCE]
@@ -83,6 +83,6 @@ def settle(lines, place, numbers, memory, p, q) -> None:
 
 @kernel
 def profile(place: int, memory, xi, out) -> None:
-    """Pressure [Pa] at places xi after `leave`: linear between the ends."""
+    """Pressure [Pa] at places xi after `departing`: linear between the ends."""
     for i in range(len(xi)):
         out[i] = memory[place + 3] + xi[i] * (memory[place + 4] - memory[place + 3])

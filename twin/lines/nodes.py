@@ -72,8 +72,8 @@ def _fetch(m, f, count: int, mask: int, delay: int, first: int, tick: int) -> No
 
 
 @kernel
-def oncoming(lines, place, layout, numbers, memory, tick: int, c, z) -> None:
-    """Fill c and Z of the ends of these lines. Changes nothing but what `leave` finds anew."""
+def arriving(lines, place, layout, numbers, memory, tick: int, c, z) -> None:
+    """Fill c and Z of the ends of these lines. Changes nothing but what `departing` finds anew."""
     for k in range(len(lines)):
         m, f, last = memory[place[k] :], numbers[k], 2 * layout[k, 1] - 1
         _fetch(m, f, layout[k, 1], layout[k, 0], layout[k, 2], layout[k, 3], tick)
@@ -83,7 +83,7 @@ def oncoming(lines, place, layout, numbers, memory, tick: int, c, z) -> None:
 
 
 @kernel
-def leave(lines, place, layout, numbers, memory, tick: int, q) -> None:
+def departing(lines, place, layout, numbers, memory, tick: int, q) -> None:
     """Take the flows of the instant, solve every inner node, send the waves, move the friction on."""
     for k in range(len(lines)):
         m, f, count = memory[place[k] :], numbers[k], layout[k, 1]
@@ -179,7 +179,7 @@ def _settle_end(m, f, e: int, q: float) -> None:
 
 @kernel
 def profile(place: int, layout, f, memory, xi, out) -> None:
-    """Pressure [Pa] at places xi after `leave`: that of the nodes, linear between them."""
+    """Pressure [Pa] at places xi after `departing`: that of the nodes, linear between them."""
     m, count = memory[place:], layout[1]
     for i in range(len(xi)):
         x, j = xi[i] * f[LENGTH], 0

@@ -1,6 +1,6 @@
 """The chamfered seat of the pilot poppet: a sharp edge whose loss law is fitted.
 
-Symbols and signs: `README.md`, after (2.20), (2.25), (2.26), (2.33) of the source. The loss law is fitted to lifts of
+Symbols and signs: `README.md`, after (2.20), (2.25), (2.26), (2.33) of the thesis. The loss law is fitted to lifts of
 0.01 to 0.1 seat diameters; at work the valve opens 0.001 to 0.0025, so results there extrapolate it.
 """
 

@@ -1,6 +1,6 @@
 """The oil before the pilot seat, with or without compressibility; which one is known when a step is compiled.
 
-The source has none: p2 then follows from the flows of the instant. With C = V/B the pilot can chatter by its own oil,
+The thesis has none: p2 then follows from the flows of the instant. With C = V/B the pilot can chatter by its own oil,
 C p2' = Q2 + A v - Q_pl - A_in u.
 """
 

@@ -2,13 +2,13 @@
 
 The poppet takes the velocity Verlet rule: order 2, its lift explicit, its speed implicit in p2. The spool's speed is
 taken wholly at the end of the substep, since orifices damp it with 1e5 to 1e7 1/s; its lift by the trapezoidal rule.
-Symbols and signs: `README.md`, after (2.35), (2.41) of the source. Lifts >= 0 from the seats.
+Symbols and signs: `README.md`, after (2.35), (2.41) of the thesis. Lifts >= 0 from the seats.
 """
 
 import math
 from typing import NamedTuple
 
-from twin.contact import Stops, held, travel
+from twin.contact import Stops, stopped, travel
 from twin.kernel import inlined
 from twin.relief.channel import absorbed_per_pressure, is_compressible
 from twin.relief.network import (
@@ -50,7 +50,7 @@ class Motion(NamedTuple):
 @inlined
 def borne(force: float, lift: float, velocity: float, stops: Stops) -> float:
     """What is left of a force when a body at rest leans on a stop."""
-    return held(lift, force, stops) if velocity == 0.0 else force
+    return stopped(lift, force, stops) if velocity == 0.0 else force
 
 
 @inlined
@@ -91,7 +91,7 @@ def move_spool(y: float, m: Motion, poise: Poise, c: float, z: float, h: float, 
             stop, resting = (0.0 if mean < 0.0 else main.stops.stroke), False
             push = Push(then, rebound, inertia, 0.0)
         elif resting:
-            if held(x, end.spool_force, main.stops) == 0.0:
+            if stopped(x, end.spool_force, main.stops) == 0.0:
                 return x, end
             push = free
         elif push.velocity != 0.0 and 2.0 * inertia * abs(push.velocity) < abs(end.spool_force):

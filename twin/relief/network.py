@@ -8,14 +8,14 @@ the arrows. Q1 = Q2, Q_pl + A_in u = Q2 + A v, p3 = p2 + dp3(A v). The spool dra
 hands A_in u to the tank, so what goes in comes out: Q = Q_main + Q1 + A v. The inlet is the end of lines, p = c - z Q.
 
 The oil before the pilot seat may be compressible: C p2' = Q2 + A v - Q_pl - A_in u, by the trapezoidal rule, which
-takes no energy from a swing. Without it (C = 0, the source) the pilot cannot chatter by its own oil.
+takes no energy from a swing. Without it (C = 0, the thesis) the pilot cannot chatter by its own oil.
 """
 
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from twin.contact import held
+from twin.contact import stopped
 from twin.kernel import inlined
 from twin.oil import Oil
 from twin.orifice import Orifice, quadratic_flow, resistance
@@ -144,7 +144,7 @@ def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve
     k_v = push.half * seat.conductance_slope
     p2, p2_y = (y * abs(y), 2.0 * abs(y)) if poise.conductance > 0.0 else (y, 1.0)
     free = poise.coasting + poise.yielding * p2
-    u = held(poise.lift, free, pilot.stops)
+    u = stopped(poise.lift, free, pilot.stops)
     u_y = poise.yielding * p2_y if u == free else 0.0
     q, q_y = poise.conductance * y + pilot.area * u, poise.conductance + pilot.area * u_y
     if is_laminar(pilot.seat) or is_compressible(valve.channel):

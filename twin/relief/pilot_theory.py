@@ -1,7 +1,7 @@
 """Linear theory of the relief valve with compressible oil before its pilot: when does it chatter, and how fast?
 
 States x, x' of the poppet, p2, and X, X' of the spool while that is off its seat; inlet p = c - z Q, the end of lines.
-`m x'' = a(x) p2 - s (x0 + x) - K(x) x'`, `C p2' = Q12(p - p2) + A X' - Q(x, p2) - A_in x'`. The source's network has
+`m x'' = a(x) p2 - s (x0 + x) - K(x) x'`, `C p2' = Q12(p - p2) + A X' - Q(x, p2) - A_in x'`. The thesis's network has
 C = 0. A spool on its seat leaves the pilot alone, with orifices and volume upstream. A spool off its seat steadies p2
 through orifice 3, laminar about rest: a damper forty times as soft as the supply.
 """

@@ -1,7 +1,7 @@
 """Pilot-operated pressure relief valve, two-stage and dynamic: its numbers, and a step at the end of lines.
 
 The oil inside is in `network.py`, the moving bodies in `motion.py`, steady states in `steady.py`.
-Symbols and signs: `README.md`, after (2.15) to (2.45) of the source. Lifts >= 0 from the seats, flow into
+Symbols and signs: `README.md`, after (2.15) to (2.45) of the thesis. Lifts >= 0 from the seats, flow into
 the valve is positive, pressures gauge, tank at zero.
 """
 

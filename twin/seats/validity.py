@@ -16,14 +16,14 @@ INERTIA = 1.0  # Re H/L
 NARROW = 0.1  # H/L and H/r
 
 
-class Verdict(NamedTuple):
+class Validity(NamedTuple):
     """A law at a point."""
 
     numbers: dict[str, float]  # what was looked at
     warnings: tuple[str, ...]  # none: it holds
 
 
-def of_chamfered(x: float, seat: chamfered.ChamferedSeat) -> Verdict:
+def of_chamfered(x: float, seat: chamfered.ChamferedSeat) -> Validity:
     """The loss law at a lift x [m]."""
     ratio, said = x / seat.diameter, ()
     if not SMALLEST_LIFT <= ratio <= LARGEST_LIFT:
@@ -32,10 +32,10 @@ def of_chamfered(x: float, seat: chamfered.ChamferedSeat) -> Verdict:
             f"lift {x * 1e3:.4g} mm is {ratio:.2g} diameters: the loss law (2.26) is fitted to {SMALLEST_LIFT} .. "
             f"{LARGEST_LIFT} ({low:.3g} .. {high:.3g} mm) and is extrapolated here",
         )
-    return Verdict({"x/d": ratio}, said)
+    return Validity({"x/d": ratio}, said)
 
 
-def of_conical(x: float, drop: float, density: float, seat: conical.ConicalSeat) -> Verdict:
+def of_conical(x: float, drop: float, density: float, seat: conical.ConicalSeat) -> Validity:
     """The laminar law at a lift x [m] and a drop [Pa]."""
     g = conical.gap(x, seat)
     reynolds = abs(conical.flow(x, drop, 0.0, seat)) * density / (math.pi * seat.radius * seat.viscosity)
@@ -50,4 +50,4 @@ def of_conical(x: float, drop: float, density: float, seat: conical.ConicalSeat)
         )
     wide = [name for name in ("H/L", "H/r") if numbers[name] > NARROW]
     said += [f"{name} = {numbers[name]:.2g} is above {NARROW:g}: the gap is not narrow" for name in wide]
-    return Verdict(numbers, tuple(said))
+    return Validity(numbers, tuple(said))

@@ -1,7 +1,7 @@
 """Figure 2.27: friction models on a water hammer, and how far each is from the exact line after ten periods.
 
 Source: 2.5.4; L = 40 m, d = 20 mm, a = 1319 m/s, rho = 1000 kg/m^3, nu = 1.46e-6 m^2/s, 0.1 m/s shut in 10 ms at the
-inlet, 10 bar at the outlet, FEM and ESDIRK4 with 50 cells. The source had ten true poles of Zielke's weight, which is
+inlet, 10 bar at the outlet, FEM and ESDIRK4 with 50 cells. The thesis had ten true poles of Zielke's weight, which is
 not enough: the panels on the right say how many are, by height and by time of the peaks.
 """
 

@@ -3,7 +3,7 @@
 Source: 2.5.4; f1 = sin(2 pi (x - a t)/L); f2 has fronts tanh(10 (x - a t)), here a periodic train of them, since one
 front alone has left after one travel time. Ten periods run through a line of L = 1 m, driven by the exact values at
 both ends, steps of a wave through a cell. Work is counted, not timed, so that it is the same at every run: unknowns
-that were solved for. The source held the ends' values over each step; what that costs is drawn dashed.
+that were solved for. The thesis held the ends' values over each step; what that costs is drawn dashed.
 """
 
 import math

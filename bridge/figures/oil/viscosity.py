@@ -87,7 +87,7 @@ def second_order(temperature: Array, laws: Laws) -> Array:
 
 
 def source_laws(temperature: Array) -> tuple[Array, Array]:
-    """The source's own first-order and second-order nu [m^2/s] at temperatures [deg C]."""
+    """The thesis's own first-order and second-order nu [m^2/s] at temperatures [deg C]."""
     first = np.array([exponential_viscosity(t) for t in temperature])
     return first, np.array([kinematic_viscosity(t) for t in temperature])
 

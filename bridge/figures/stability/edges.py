@@ -1,13 +1,13 @@
 """Figures 5.20 and 5.21: the critical gain of the rig over the sampling interval, computed and found on the twin.
 
-Source: 5.4.3. Gains in V per % of the stroke, sampling intervals of 20 ms to 1 s. The source looked for the gain at
+Source: 5.4.3. Gains in V per % of the stroke, sampling intervals of 20 ms to 1 s. The thesis looked for the gain at
 which its rig began to oscillate and found two: below one it never did, above the other always; between them start and
 direction decided. The twin is asked in the same way: held at 100 mm, steps of two sizes up and down. Without delay, and
 with one sampling interval of it, as a controller has that puts out a command when the next sample is taken.
 
-The axes of the source go to 80 V/% and 1 s. A rig of speed V at a full valve of 10 V loses an integrator's stability at
+The axes of the thesis go to 80 V/% and 1 s. A rig of speed V at a full valve of 10 V loses an integrator's stability at
 S = 2/(V t_s) times its scale, 0.1 of the stroke: some 7 V/% at 20 ms and 0.14 at 1 s for ours, so 80 V/% belong to
-a tenth of our speed, or to another scale of the signal; the curves of the source are lost. Table 5.1 is drawn by its
+a tenth of our speed, or to another scale of the signal; the curves of the thesis are lost. Table 5.1 is drawn by its
 linear model, scaled by our stroke: without friction its edge is that of an oil spring that nothing damps.
 """
 
@@ -99,7 +99,7 @@ def draw_computed() -> tuple[Columns, Sheet]:
         "Linear theory of the rig with hold, without friction: lumped lines, steady relief valve, 120 kg at 100 mm.\n"
         "Dotted: one sampling interval of delay. Between its lines the frictionless model of Table 5.1 (in V per % of\n"
         "our stroke) is unstable at any gain. "
-        "Axes of the source: 0 to 1 s, 0 to 80 V/%, which our rig's speed does not reach (see the figure's module).",
+        "Axes of the thesis: 0 to 1 s, 0 to 80 V/%, which our rig's speed does not reach (see the figure's module).",
     )
     return columns, page
 
@@ -152,7 +152,7 @@ def draw_measured() -> tuple[Columns, Sheet]:
     remark(
         page,
         "Full twin, overlap jumped; thin lines: linear theory. Steps of 2 and 20 mm up and down; with the delay 2 mm.\n"
-        "The source's axes: 0 to 1 s and 0 to 80 V/%, which our rig's speed does not reach (see the figure's module).",
+        "The thesis's axes: 0 to 1 s and 0 to 80 V/%, which our rig's speed does not reach (see the figure's module).",
     )
     later = {name.replace(" [", f" {ONE_SAMPLE} ["): values for name, values in list(late.items())[1:]}
     return columns | later, page

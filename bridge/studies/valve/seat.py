@@ -50,7 +50,7 @@ def facts(kind: str, x: float, drop: float, rig: Values) -> dict[str, Any]:
 WORDS = {
     "flow": ("flow", LITRE_PER_MINUTE, "l/min"),
     "flow_constant_discharge": ("flow with a constant discharge coefficient", LITRE_PER_MINUTE, "l/min"),
-    "flow_fit": ("flow with the exponent 2.9 of the source's CFD", LITRE_PER_MINUTE, "l/min"),
+    "flow_fit": ("flow with the exponent 2.9 of the thesis's CFD", LITRE_PER_MINUTE, "l/min"),
     "loss_coefficient": ("loss coefficient, on the inlet's area", 1.0, ""),
     "pressure_force": ("pressure force, axial", 1.0, "N"),
     "linear_pressure_force": ("the same, pressure linear along the gap", 1.0, "N"),

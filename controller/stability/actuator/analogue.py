@@ -7,7 +7,7 @@ sigma = sqrt(p_e) + sqrt(1 - p_e) the difference of pressures obeys
 
 stable iff 0 < s < k (d + 2/(sigma gamma)); the fourth eigenvalue is 0, along the rests. sigma <= sqrt2, so p_e = 1/2
 goes first. The two Jacobians beside u = 0 differ in how the sum of the pressures answers, which nothing else feels:
-every one of their mixtures has the same eigenvalues, so the kink cannot move the edge. The source's d_1 =
+every one of their mixtures has the same eigenvalues, so the kink cannot move the edge. The thesis's d_1 =
 s/k - 4 sqrt2/(3 gamma) would need sigma = 3/(2 sqrt2), a rest at p_e = 0.0039: it does not follow from 1/2.
 Arguments are dimensionless and may be arrays, which broadcast.
 """

@@ -13,7 +13,7 @@ amplitude: with z1 = Re e^(i omega t), and p, q the complex amplitudes of a and 
     c = |q| (2/pi p + 2/(3 pi) p* q^2/|q|^2),    p* the conjugate,
 
 and s rises with the amplitude by at least 4/(3 pi) |q| (omega^2 + k^2)/(2 alpha) > 0. So every loop with k > 0 is born
-soft, with stable orbits above s_crit. The source found an unstable one below. That is what a boundary value problem
+soft, with stable orbits above s_crit. The thesis found an unstable one below. That is what a boundary value problem
 finds whose arcs keep their branch of (5.8) when the amplitude passes through 0 and u changes its sign: `arc.CROSSED`,
 where the leak has the other sign.
 """

@@ -81,7 +81,7 @@ def run(m, junction_of, held, values, fields, weight, memory, changes, out) -> N
             _know(m, line, step, now, memory, changes, new)
             _travel(m, line, now, weight, new)
         for junction in range(values.shape[1]):
-            meet(m, junction_of, junction, held[junction], values[step, junction], new)
+            solve_junction(m, junction_of, junction, held[junction], values[step, junction], new)
         for line in range(len(m.numbers)):
             _remember(m, line, step, now, weight, new, memory, changes)
             low, high = m.first[line], m.first[line + 1] - 1
@@ -160,7 +160,7 @@ def _remember(m, line: int, step: int, now, weight, new, memory, changes) -> Non
 
 
 @kernel
-def meet(m, junction_of, junction: int, held: int, value: float, new) -> None:
+def solve_junction(m, junction_of, junction: int, held: int, value: float, new) -> None:
     """Solve a junction; its ends hold c and Z in the rows of p and u, and get p and u."""
     pressure, total = value, 0.0
     if held == 0:

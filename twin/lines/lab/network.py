@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from twin.lines.friction import turbulence
-from twin.lines.lab.characteristics import BETA, PER_FLOW, PER_U, F, Mesh, P, U, meet, mesh, run
+from twin.lines.lab.characteristics import BETA, PER_FLOW, PER_U, F, Mesh, P, U, mesh, run, solve_junction
 from twin.lines.lab.friction import Friction
 from twin.lines.lab.pipe import PRESSURE, Array, Case, History, Pipe, sampled, steady_pressure
 
@@ -64,7 +64,7 @@ def _jump(m: Mesh, junction_of: Any, held: Any, values: Array, now: Array, out: 
         ends[P, low], ends[P, high] = now[P, low] - now[U, low], now[P, high] + now[U, high]
         ends[U, [low, high]] = row[PER_FLOW]
     for junction, kind in enumerate(held):
-        meet(m, junction_of, junction, int(kind), float(values[junction]), ends)
+        solve_junction(m, junction_of, junction, int(kind), float(values[junction]), ends)
     for line in range(len(m.numbers)):
         both = [m.first[line], m.first[line + 1] - 1]
         now[:2, both] = ends[:2, both]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.kernel import allocating_kernel
-from twin.lines.bank import bank_of, inner_cavity, leave, memory_size, oncoming, settle, steady_drop
+from twin.lines.bank import arriving, bank_of, departing, inner_cavity, memory_size, settle, steady_drop
 from twin.lines.filters import scattering
 from twin.lines.fit import fit
 from twin.lines.lab.friction import Friction
@@ -45,7 +45,7 @@ def _drive(bank, memory, of_pressure, values, vapour_pressure, out):
     """values (steps, 2): pressure [Pa], or inflow [m^3/s]; out (steps, 5): p_1, p_2, q_1, q_2 into the line, vapour."""
     c, z, q, v = np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2)
     for tick in range(len(values)):
-        oncoming(bank, memory, tick, c, z)
+        arriving(bank, memory, tick, c, z)
         for end in range(2):
             p = values[tick, end]
             if not of_pressure[end]:
@@ -54,7 +54,7 @@ def _drive(bank, memory, of_pressure, values, vapour_pressure, out):
                 v[end] = cavity(port, values[tick, end], vapour_pressure, bank.step)
             q[end] = (p - c[end]) / z[end]
             out[tick, end], out[tick, 2 + end] = p, q[end]
-        leave(bank, memory, tick, q)
+        departing(bank, memory, tick, q)
         out[tick, 4] = v[0] + v[1] + inner_cavity(bank, memory, 0)
 
 
