@@ -7,7 +7,7 @@ import pytest
 from tests.tools.oscillations.cases import labelled_cases
 from tests.tools.oscillations.trials import confusion, judged
 
-SHORT = (1, 2, 10, 18, 31, 39, 48, 58, 63, 79, 87, 91)  # of each kind, and what was hardest
+SHORT = (1, 10, 18, 31, 39, 48, 55, 58, 76, 78, 82, 87, 91)  # of each kind, and what was hardest
 
 
 def missed(chosen: Any) -> list[str]:
@@ -21,7 +21,7 @@ def test_a_dozen_runs_of_the_labelled_set():
     assert [f"{run.verdict}: {run.case.name}" for run in runs if run.verdict in ("miss", "false alarm")] == []
     counts = confusion(runs)
     assert counts["oscillates", "limit cycle"] >= 4
-    assert sum(count for (_, found), count in counts.items() if found == "none") >= 1
+    assert sum(count for (_, found), count in counts.items() if found == "none") >= 5
     assert counts["no stretch", "not applicable"] == 1
 
 

@@ -42,7 +42,7 @@ from tests.support.processes import (
 )
 
 RUNNING = 30_000  # bytes of a recording in which the loop has been seen to run
-AWAITED = ("--await", "controller", "--await", "recorder", "--json", "--quiet")
+AWAITED = ("--set", "duration=3", "--await", "controller", "--await", "recorder", "--json", "--quiet")
 KEPT = 0.25  # seconds before a kill up to which everything is in the file
 
 
@@ -196,18 +196,7 @@ def test_a_full_disk_is_told_what_was_written_stays_and_the_loop_goes_on(small_d
 def test_the_loop_runs_to_its_end_without_its_recorder_s_disk(tmp_path):
     """The plant's own words: every tick, no overrun by the disk that is full from the start of the second second."""
     endpoint, path = free_endpoint(), tmp_path / "a.mcap"
-    plant = (
-        "plant",
-        "square",
-        "--set",
-        "duration=3",
-        "--await",
-        "controller",
-        "--await",
-        "recorder",
-        "--json",
-        "--quiet",
-    )
+    plant = ("plant", "square", *AWAITED)
     with (
         started(*plant, "--listen", endpoint) as first,
         started("controller", "square", "--connect", endpoint),
@@ -234,19 +223,7 @@ def test_a_slow_disk_loses_nothing_and_holds_nobody(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Sink, "_hand_over", slow)
     endpoint, path = free_endpoint(), tmp_path / "slow.mcap"
-    plant = (
-        "plant",
-        "step",
-        "--set",
-        "duration=3",
-        *COARSE,
-        "--await",
-        "controller",
-        "--await",
-        "recorder",
-        "--json",
-        "--quiet",
-    )
+    plant = ("plant", "step", *COARSE, *AWAITED)
     with (
         started(*plant, "--listen", endpoint) as first,
         started("controller", "step", *COARSE, "--connect", endpoint),
