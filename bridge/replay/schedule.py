@@ -43,10 +43,16 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
         name = command.source, command.sequence
         if name in refused or (name not in known and _shut_out(command, put(command.spool), latches, force)):
             continue
-        instant = known.get(name, -(-command.sample_stamp // grid.daq) * grid.daq)
+        instant = known.get(name, _in_time(command, latches, grid))
         reached[command.source] = instant = max(instant, reached.get(command.source, 0))
         inputs.append(Input(instant, command))
     return sorted(inputs, key=lambda entry: (entry.instant, entry.command is not None))
+
+
+def _in_time(command: Any, latches: list[Latch], grid: Sampling) -> int:
+    """When a command that is not late may be handed in: at its sample, or at the reset that let it in [ns]."""
+    resets = [latch.until for latch in latches if command.apply_at > latch.since and command.sample_stamp < latch.until]
+    return max([-(-command.sample_stamp // grid.daq) * grid.daq, *resets])
 
 
 def _latches(events: list[Any], scenario: Scenario, grid: Sampling) -> Iterator[Latch]:

@@ -7,6 +7,7 @@ import re
 import pytest
 
 from bridge.scenario import ScenarioError, load, names
+from bridge.scenario.circuit import circuit_of
 from bridge.scenario.describe import (
     PICTURE,
     facts,
@@ -97,12 +98,14 @@ def test_a_rig_without_a_state_of_rest_is_refused_in_one_line(changes, said):
 
 
 def test_a_step_too_coarse_is_marked_and_warned_of_with_both_numbers():
-    """Pipe 1, 1.25 m: 1.1 ms, an eighth of it is 137 us."""
+    """A wave's way through pipe 1 by its wave speed, and an eighth of it."""
+    travel = float(circuit_of(load("step")).lines.travel_time[0])
     assert not warnings(load("step", ["loop.step='100 us'"]))
     coarse = load("step", ["loop.step='200 us'"])
     said = [line for line in warnings(coarse) if "pipe_1" in line]
     assert len(said) == 1
-    for word in ("loop.step 200 us", "1.1 ms", "at most 137 us", "hydrotwin convergence"):
+    numbers = f"{travel * 1e3:.3g} ms", f"at most {travel / 8 * 1e6:.3g} us"
+    for word in ("loop.step 200 us", *numbers, "hydrotwin convergence"):
         assert word in said[0]
     marked = [part for part, _, _, longest in step_rows(coarse) if longest.endswith("TOO COARSE")]
     assert marked == ["pipe_1"]

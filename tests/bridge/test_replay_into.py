@@ -11,10 +11,13 @@ from typer.testing import CliRunner
 
 from bridge.cli.verbs import app
 from bridge.errors import UsageError
-from bridge.recording.reader import Recording, read
+from bridge.loop.exchange import sides
+from bridge.recording.reader import Entry, Recording, read, recording
+from bridge.replay.into_plant import through_plant
 from bridge.replay.through import Through, replay_through
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
+from bridge.wire.codec import encode
 from tests.bridge.test_golden import TOLERANCES
 from tests.support.command import hydrotwin_here
 from tests.support.processes import (
@@ -33,6 +36,7 @@ from tests.tools.renew import GOLDEN, HERE
 
 RUNNING = 30_000  # bytes of a recording in which the loop has been seen to run
 STIFFER = ["controller.gain=1.05 V/%"]
+RESET = 1000  # tick of a sample whose command is heard three ticks later, just after a reset
 
 
 @pytest.fixture(scope="module")
@@ -115,6 +119,32 @@ def test_a_latched_plant_and_its_reset_come_out_again(folder):
     verdict = replay_through(path, Through("plant", folder / "latched-out.mcap"))
     assert verdict.events_differ is None
     assert {difference.greatest for difference in verdict.differences} == {0.0}
+
+
+def test_a_command_on_its_way_at_the_reset_comes_out_again():
+    """Computed while the plant was latched, heard just after the reset: the replay hands it in after the reset, too."""
+    latch = ("duration=1.2", "loop.command_timeout=0.1", "loop.sample_period=5 ms", "loop.delay=5 ms")
+    scenario = load("square", list(latch))
+    plant, controller = sides(scenario)
+    out, on_its_way = plant.start(), []
+    for tick in range(scenario.ticks):
+        spoken = [] if 100 <= tick < 300 else controller.answer(plant.measurement)
+        if tick == RESET:
+            on_its_way, heard = spoken, []
+        elif tick == RESET + 3:
+            plant.reset()
+            heard = [*on_its_way, *spoken]
+        else:
+            heard = spoken
+        for message in heard:
+            if message.topic == "command":
+                plant.take(message.message)
+        out += [*spoken, *plant.tick()]
+    entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in out]
+    recorded = recording(Path("none.mcap"), entries, {"run": {"run_id": str(plant.run_id)}})
+    assert sum(plant.inlet.refused.values()) > 100
+    again = [encode(m.message) for tick in through_plant(recorded, scenario) for m in tick if m.topic == "state"]
+    assert again == [entry.data for entry in entries if entry.topic == "state"]
 
 
 def test_a_changed_gain_is_found_and_located(lockstep, folder):
