@@ -101,11 +101,21 @@ def test_friction_holds_what_it_can():
 
 def test_a_swing_is_told_by_its_last_third():
     time = np.linspace(0.0, 30.0, 9001)
-    grown = last_third(time, 1e-3 * np.minimum(time / 20.0, 1.0) * np.sin(2.0 * math.pi * 3.3 * time) + 0.1 * time)
+    grown = last_third(time, 1e-3 * np.minimum(time / 20.0, 1.0) * np.sin(2.0 * math.pi * 3.3 * time) + 1e-3 * time)
     assert grown.frequency == pytest.approx(3.3, rel=2e-3)
     decayed = last_third(time, 1e-2 * np.exp(-time) * np.sin(20.0 * time))
     assert not decayed.counts
-    assert last_third(time, np.where(time > 25.0, 1e-3, 0.0)) == (pytest.approx(1e-3), 0.0)  # a jump has no frequency
+    slip_and_back = np.where((time > 25.0) & (time < 28.0), 1e-3, 0.0)
+    assert last_third(time, slip_and_back) == (pytest.approx(1e-3), 0.0)  # it has no frequency
+
+
+def test_a_position_that_is_on_its_way_does_not_swing():
+    """However far it still goes; with a swing of its own on top it does."""
+    time = np.linspace(0.0, 30.0, 9001)
+    way = 1e-2 * (1.0 - np.exp(-time / 30.0))
+    assert not last_third(time, way).counts
+    assert not last_third(time, -way).counts
+    assert last_third(time, way + 5e-4 * np.sin(2.0 * math.pi * 3.0 * time)).counts
 
 
 def test_members_span_an_interval_and_runs_last_long_enough():

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 class Swing(NamedTuple):
     """What the last third of a run holds."""
 
-    peak_to_peak: float  # [m]
+    peak_to_peak: float  # [m], of what goes both ways
     frequency: float  # [Hz], of the strongest line of its spectrum; 0.0: slower than can be told
 
     @property
@@ -25,8 +25,18 @@ class Swing(NamedTuple):
 def last_third(time: Array, position: Array) -> Swing:
     """The swing of a run that starts at time 0."""
     late = time >= 2.0 / 3.0 * time[-1]
-    peak = float(np.ptp(position[late]))
+    peak = to_and_fro(position[late])
     return Swing(peak, strongest(time[late], position[late]) if peak > LARGEST else 0.0)
+
+
+def to_and_fro(position: Array) -> float:
+    """Peak to peak [m] of what goes both ways: the lesser of the greatest rise and the greatest fall.
+
+    So a loop of small gain, still on its way to the reference in the end, does not swing.
+    """
+    rise = position - np.minimum.accumulate(position)
+    fall = np.maximum.accumulate(position) - position
+    return float(min(rise.max(), fall.max()))
 
 
 def strongest(time: Array, position: Array) -> float:
