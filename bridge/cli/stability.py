@@ -18,7 +18,24 @@ STEP = Annotated[
     list[str] | None, typer.Option("--step", metavar="LENGTH", help="Size of a step [default: 2, 20 and 60 mm].")
 ]
 VERIFY = Annotated[bool, typer.Option("--verify", help="Run the twin at the ends of each interval.")]
-BAR = 24  # columns of the picture's bars
+RANGE = Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the first axis.")]
+OTHER_RANGE = Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the other.")]
+RIG = Annotated[
+    str | None, typer.Option("--rig", metavar="SCENARIO", help="A scenario's rig: V/%, V s/%, ms, and runs of it.")
+]
+FIXED = Annotated[
+    list[str] | None, typer.Option("--at", metavar="NAME=NUMBER", help="The other numbers, such as delay=0.5.")
+]
+RUNS = Annotated[int, typer.Option(min=0, max=100, help="Runs per side, with --rig or --simulate; 0 for none.")]
+SIMULATE = Annotated[
+    bool,
+    typer.Option(
+        "--simulate", help="Lay runs of the nonlinear dimensionless actuator over; --at alpha=, start=, limit=."
+    ),
+]
+DERIVATIVE = Annotated[str, typer.Option(help="Of the dimensionless controller: measured, backward or filtered.")]
+FILTER_TIME = Annotated[float | None, typer.Option(min=0.0, help="Of the filtered derivative, in sampling periods.")]
+WIDEST = 24  # columns, of a bar of the picture
 NARROWEST = 0.1  # [mm], where a bar begins
 
 
@@ -141,7 +158,7 @@ def _picture_row(row: "RowAdvice", found: "Advice") -> tuple[str, ...]:
 
     peak = row.peak_to_peak * 1e3
     mark = " *" if row.gain.volts == found.gain.volts else ""
-    width = round(BAR * min(1.0, max(0.0, log10(max(peak, NARROWEST) / NARROWEST) / 4.0)))
+    width = round(WIDEST * min(1.0, max(0.0, log10(max(peak, NARROWEST) / NARROWEST) / 4.0)))
     after = ", ".join(f"{size * 1e3:+g}" for size in row.swings_after)
     swings = "all" if len(row.swings_after) == len(found.steps) else f"{after} mm" if after else "none"
     if not row.swings_after:
@@ -210,30 +227,17 @@ def _row(name: str, point: "PointAdvice") -> tuple[str, ...]:
 def map_stability(
     across: Annotated[str, typer.Argument(help="Axis: gain, derivative, period, delay or damping.")] = "period",
     up: Annotated[str, typer.Argument(help="The other axis.")] = "gain",
-    x: Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the first axis.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the other.")] = None,
-    rig: Annotated[
-        str | None, typer.Option("--rig", metavar="SCENARIO", help="A scenario's rig: V/%, V s/%, ms, and runs of it.")
-    ] = None,
+    x: RANGE = None,
+    y: OTHER_RANGE = None,
+    rig: RIG = None,
     about: Annotated[str, typer.Option(help="Point of the rig: rest, up or down. [default: rest]")] = "",
     changes: CHANGES = None,
-    fixed: Annotated[
-        list[str] | None, typer.Option("--at", metavar="NAME=NUMBER", help="The other numbers, such as delay=0.5.")
-    ] = None,
+    fixed: FIXED = None,
     cells: Annotated[int, typer.Option(min=2, max=1000, help="Of the theory, per side.")] = 120,
-    runs: Annotated[int, typer.Option(min=0, max=100, help="Runs per side, with --rig or --simulate; 0 for none.")] = 8,
-    simulate: Annotated[
-        bool,
-        typer.Option(
-            "--simulate", help="Lay runs of the nonlinear dimensionless actuator over; --at alpha=, start=, limit=."
-        ),
-    ] = False,
-    derivative: Annotated[
-        str, typer.Option(help="Of the dimensionless controller: measured, backward or filtered.")
-    ] = "measured",
-    filter_time: Annotated[
-        float | None, typer.Option(min=0.0, help="Of the filtered derivative, in sampling periods.")
-    ] = None,
+    runs: RUNS = 8,
+    simulate: SIMULATE = False,
+    derivative: DERIVATIVE = "measured",
+    filter_time: FILTER_TIME = None,
     workers: WORKERS = 0,
     scheduler: SCHEDULER = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="Name of the files, without ending.")] = Path("map"),

@@ -12,7 +12,7 @@ from bridge.studies.stability.operating import OperatingPoint, edge_curves, oper
 
 CAPTION = (
     "By the theory of the reduced drive, with friction, saturation and card: below both lines the loop settles after "
-    "steps of 2, 20 and 60 mm in both directions, above both it swings after all of them. The dot is the run."
+    "steps of 20 mm in both directions, above both it swings after either. The dot is the run."
 )
 
 

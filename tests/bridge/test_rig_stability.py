@@ -28,7 +28,6 @@ from bridge.studies.stability.rig_loop import (
     RigTiming,
     edge_of,
     margins_of,
-    suggested,
 )
 from bridge.studies.stability.rig_loop import loop_of as loop_of_linear
 from bridge.studies.stability.rig_plant import plants
@@ -38,6 +37,7 @@ from bridge.studies.stability.twin_edge import stepped, twin_swing
 from bridge.wire.messages import Mode
 from controller.law import Sample
 from controller.reference import Target
+from controller.stability import suggested_gain
 from controller.stability.amplitude.edges import Member, interval, swing
 from controller.stability.amplitude.swing import last_third
 
@@ -201,7 +201,7 @@ def test_a_delay_without_its_unit_is_answered_and_named():
 def test_suggested_gains_keep_their_margins():
     scenario = load("slow-sampling")
     timing, found = RigTiming(0.1, 0.0, "measured", 0.0), [point.plant() for point in plants(scenario).values()]
-    gain = suggested(found, timing, 0.0)
+    gain = suggested_gain(found, 0.0, timing.counted())
     kept = [margins_of(plant, timing, gain, 0.0) for plant in found]
     assert min(m.gain_margin for m in kept) >= 2.0
     assert min(m.delay_margin for m in kept) >= 1.0

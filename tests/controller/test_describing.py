@@ -1,35 +1,18 @@
-"""Describing functions against the first harmonic by quadrature, and a friction's energy."""
+"""The describing function of dry friction against the first harmonic by quadrature, and the energy it takes."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from controller.stability.amplitude.describing import dead_band, friction_damping, held_speed, relay, saturation
-
-AMPLITUDES = (0.5, 1.0, 1.3, 4.0, 40.0)
+from controller.stability.amplitude.describing import friction_damping, held_speed
 
 
-def first_harmonic(function, amplitude: float) -> float:
-    """Of a function of A sin t, over A; kinks are given to the quadrature."""
-    kinks = sorted({math.asin(min(1.0, 1.0 / amplitude)), math.pi - math.asin(min(1.0, 1.0 / amplitude)), math.pi / 2})
-    parts = [0.0, *kinks, math.pi]
-    value = sum(
-        quad(lambda t: function(amplitude * math.sin(t)) * math.sin(t), low, high)[0] for low, high in pairwise(parts)
-    )
-    return 2.0 / math.pi * value / amplitude
-
-
-@pytest.mark.parametrize("amplitude", AMPLITUDES)
-def test_closed_forms_are_the_first_harmonic(amplitude: float):
-    def band(x: float) -> float:
-        return max(0.0, x - 1.0)
-
-    assert dead_band(amplitude, 1.0) == pytest.approx(first_harmonic(band, amplitude), abs=1e-9)
-    assert saturation(amplitude, 1.0) == pytest.approx(first_harmonic(lambda x: min(x, 1.0), amplitude), abs=1e-9)
-    assert relay(amplitude, 0.3) == pytest.approx(first_harmonic(lambda x: 0.3, amplitude), abs=1e-9)
+def test_the_damping_is_the_first_harmonic_of_the_force_over_the_speed():
+    speed, force = 0.02, 800.0
+    harmonic = 2.0 / math.pi * quad(lambda t: force * math.sin(t), 0.0, math.pi)[0]  # F sign(sin t) is even about pi
+    assert friction_damping(speed, force) == pytest.approx(harmonic / speed, rel=1e-12)
 
 
 def test_dry_friction_takes_what_its_damping_takes():

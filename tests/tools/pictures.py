@@ -27,7 +27,7 @@ REPORT, VIEW = (1100, 1560), (1800, 1080)
 DRAWN = 25.0  # [s] until the viewer in a browser has drawn, by software
 DRAWN_LIVE = 35.0  # [s], while a loop goes first
 SLOWER = "0.4"  # speed of that loop: it and a browser that draws by software are much for two cores
-BAR = (293, 1592)  # [px], where the bar of times begins and ends in a browser
+TIMES = (293, 1592)  # [px], where the bar of times begins and ends in a browser
 
 
 def main() -> None:
@@ -64,7 +64,7 @@ def _native(file: Path, name: str, moment: float) -> Path:
 
 def _web(file: Path, name: str, share: float) -> Path:
     """The view in a browser, its cursor moved to a share of the run by a click on the bar of times."""
-    press = round(BAR[0] + share * (BAR[1] - BAR[0])), VIEW[1] - 14
+    press = round(TIMES[0] + share * (TIMES[1] - TIMES[0])), VIEW[1] - 14
     with _page("view", str(file), "--web") as address, browser(*VIEW) as window:
         return window.picture(address, FOLDER / f"view-{name}-web.png", DRAWN, press)
 

@@ -138,11 +138,11 @@ def lowest_later(scenario: Scenario, low: float) -> float:
     return min(e.swings for e in threaded(lambda size: edge(loop, size, MEMBERS[0], 0.3 * low), sizes)) / WIDER
 
 
-def range_over(scenario: Scenario, period: float, own: float) -> tuple[float, float]:
-    """(settles below, swings above) with another sampling period [s], by one member."""
+def range_over(scenario: Scenario, period: float, own: float, size: float) -> tuple[float, float]:
+    """(settles below, swings above) with another sampling period [s], of steps of a size [m] both ways; one member."""
     times = {"sample_period": period, "command_timeout": max(scenario.loop.command_timeout, 2.0 * period)}
     changed = scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)})
-    loop, sizes = loop_of(changed), both_ways(scenario, ASKED)
+    loop, sizes = loop_of(changed), both_ways(scenario, (size,))
     first = quiet_gain(loop, sizes, own)
     found = threaded(lambda size: edge(loop, size, MEMBERS[0], first), sizes)
     return min(e.swings for e in found) / WIDER, max(e.swings for e in found) * WIDER

@@ -17,6 +17,7 @@ from controller.bands import Metrics
 
 ROUND = (0.2, 5.0)  # of the own sampling interval, what the chart spans
 PLACES = 7
+CHARTED = 20e-3  # [m], the step of the chart
 
 
 class OperatingPoint(NamedTuple):
@@ -98,10 +99,10 @@ def steps_in_words(sizes: Sequence[float]) -> str:
 def edge_curves(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Sampling intervals [s] around the run's own, and below and above which gain all settle and swing there, (n, 2).
 
-    In the unit of the free gain. By few members, so rougher than `operating_point`.
+    In the unit of the free gain. Of steps of CHARTED alone and by one member, so rougher than `advise`.
     """
     free = free_gain(scenario)
     daq, own = scenario.loop.daq_period, scenario.loop.sample_period
     ticks = sorted({max(1, round(t / daq)) for t in (own * np.geomspace(*ROUND, PLACES)).tolist()})
     intervals = np.array(ticks) * daq
-    return intervals, np.array([range_over(scenario, t, free.own) for t in intervals.tolist()]) / free.per_unit
+    return intervals, np.array([range_over(scenario, t, free.own, CHARTED) for t in intervals.tolist()]) / free.per_unit

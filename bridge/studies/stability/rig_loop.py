@@ -22,7 +22,6 @@ from controller.stability import (
     loop_onset,
     margins,
     sampled_loop,
-    suggested_gain,
 )
 from controller.stability.amplitude.describing import held_speed
 
@@ -79,12 +78,6 @@ def named(onset: Onset | None, timing: RigTiming) -> Edge:
 def margins_of(plant: Plant, timing: RigTiming, gain: float, derivative: float) -> Margins:
     """Its margins at gains [1/m], [s/m]; the delay margin is still in sampling periods."""
     return margins(plant, gain, derivative, timing.counted(), longest=LATEST)
-
-
-def suggested(plants: list[Plant], timing: RigTiming, derivative: float) -> float:
-    """A gain [1/m] that keeps a distance at every point; 0.0 where there is none."""
-    gain = suggested_gain(plants, derivative, timing.counted())
-    return gain if math.isfinite(gain) else 0.0
 
 
 def held_amplitude(point: RigPlant, timing: RigTiming, gain: float, derivative: float) -> float | None:
