@@ -39,7 +39,7 @@ def test_areas_are_those_of_eigenvalues():
         np.testing.assert_array_equal(found, shares(of))
 
 
-def test_derivative_gain_of_a_half_destabilises_the_source_s_example():
+def test_derivative_gain_of_a_half_destabilises_the_example_of_the_thesis():
     """tau 3, s 0.5: stable in 5.14, not in 5.16. The stable islands move up; they hardly shrink until d = 1."""
     assert cell(CHARTS["5.14"], 3.0, 0.5) == 3
     assert cell(CHARTS["5.16"], 3.0, 0.5) < 3

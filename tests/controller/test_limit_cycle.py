@@ -1,24 +1,17 @@
 """Periodic orbits of the analogue loop against scipy, closed forms, finite differences and plain runs of the loop."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from scipy.integrate import quad_vec
 
-from controller.stability.actuator.analogue import analogue_edge, analogue_frequency
-from controller.stability.actuator.model import Actuator, mirror
-from controller.stability.actuator.relay import relay_edge
+from controller.stability.actuator.model import mirror
 from controller.stability.orbits.arc import (
     CROSSED,
-    PROPORTIONAL,
-    RELAY,
     follow,
 )
 from controller.stability.orbits.birth import (
-    birth_slopes,
-    linear_relay_orbit,
     proportional_birth,
     relay_birth,
 )
@@ -39,24 +32,19 @@ from controller.stability.orbits.limit_cycle import (
     solve,
     with_gain,
 )
-from tests.support.stiff_valve import by_radau
-from twin.integration import Solution, integrate
-
-PLANT = Actuator(0.01, 0.5, 0.5)  # of Figs 5.4 and 5.5
-FALLING = PLANT._replace(k=-0.2)  # friction that falls with speed
-S, D = 10.0, 0.1
-LEAST = np.array([1e-18, 1e-16, 1e-13, 1e-13])  # absolute errors of scipy: small orbits are small in x first
-MOST = 200_000  # evaluations of the rates in a run
-EDGE = float(analogue_edge(D, PLANT.k, PLANT.gamma))
-
-
-def relay_branch(plant: Actuator, least: float, most: float, longest: float = 10.0) -> Branch:
-    return follow_branch(relay_birth(plant, S, 0.005), "d", -1.0, Limits(least, most, longest, 0.05, 200))
-
-
-def proportional_branch(to: float, kind: int = PROPORTIONAL) -> Branch:
-    limits = Limits(min(to, EDGE), max(to, EDGE), 10.0, 0.05, 200)
-    return follow_branch(proportional_birth(PLANT, D, 1e-6, kind), "s", math.copysign(1.0, to - EDGE), limits)
+from tests.support.orbits import (
+    FALLING,
+    MOST,
+    PLANT,
+    D,
+    S,
+    proportional_branch,
+    rates,
+    relay_branch,
+    run,
+    run_stiff,
+)
+from twin.integration import integrate
 
 
 @pytest.fixture(scope="module")
@@ -73,48 +61,6 @@ def orbits() -> dict[str, Orbit]:
 @pytest.fixture(scope="module")
 def folded() -> Branch:
     return relay_branch(FALLING, 0.0, 0.3, 0.8)
-
-
-def root(drop: float) -> float:
-    return math.copysign(math.sqrt(abs(drop)), drop)
-
-
-def rates(orbit: Orbit, side: float) -> Callable[[float, np.ndarray], list[float]]:
-    """y' of (5.7), (5.8) with the pure root, written out again; `side` is the relay's u, or of the crossed arc."""
-    (alpha, gamma, k), (s, d), kind = orbit.loop.actuator, orbit.loop.gains, orbit.loop.kind
-
-    def of(_t: float, y: np.ndarray) -> list[float]:
-        y1, y2, y3, y4 = y
-        u = side if kind == RELAY else -(s * y1 + d * y2)
-        opens_up = (u > 0.0) if kind == PROPORTIONAL else (side > 0.0) != (kind == CROSSED)
-        q1, q2 = (u * root(1.0 - y3), -u * root(y4)) if opens_up else (u * root(y3), -u * root(1.0 - y4))
-        speed3, speed4 = (gamma * q1 - y2) / (alpha * (1.0 + y1)), (gamma * q2 + y2) / (alpha * (1.0 - y1))
-        return [y2, alpha * (y3 - y4) - k * y2, speed3, speed4]
-
-    return of
-
-
-def switching(orbit: Orbit, side: float):
-    """The event of scipy that ends a run at its next switch."""
-    s, d = orbit.loop.gains
-
-    def switch(_t: float, y: np.ndarray) -> float:
-        return s * y[0] + d * y[1]
-
-    switch.terminal, switch.direction = True, side  # pyright: ignore[reportFunctionMemberAccess]
-    return switch
-
-
-def run(orbit: Orbit, start: np.ndarray, side: float, time: float, to_switch: bool = False) -> Solution:
-    """scipy's run with the valve on one side; to the next switch, if so wanted and if it comes first."""
-    limits = {"rtol": 1e-11, "atol": LEAST, "events": switching(orbit, side) if to_switch else None}
-    return integrate(rates(orbit, side), (0.0, time), start, "DOP853", most=MOST, **limits)
-
-
-def run_stiff(orbit: Orbit, start: np.ndarray, side: float, time: float, to_switch: bool = False) -> Solution:
-    """The same of a relay whose pressures pass the supply, where they are stiff."""
-    events = switching(orbit, side) if to_switch else None
-    return by_radau(start, side, time, orbit.loop.actuator, rtol=1e-10, atol=LEAST, events=events)
 
 
 @pytest.mark.parametrize("name", ["relay", "passing", "proportional", "crossed"])
@@ -143,71 +89,6 @@ def test_the_equations_have_the_derivatives_they_say(orbits: dict[str, Orbit]):
             step = 1e-6 * max(abs(x[j]), 1e-3)
             seen = np.subtract(*(equations(x + sign * step * unit, orbit.loop, parameter)[0] for sign in (1, -1)))
             assert seen / (2.0 * step) == pytest.approx(slopes[:, j], rel=1e-4, abs=2e-4)
-
-
-def test_the_linear_relay_orbit_is_half_a_turn_of_the_linear_loop():
-    """z(T) = -z(0) and h(z(0)) = 0 by scipy; d falls from d_H by the square of T."""
-    alpha, gamma, k = PLANT
-    z, d = linear_relay_orbit(0.03, S, PLANT)
-    g, root2 = gamma / (math.sqrt(2.0) * alpha), math.sqrt(2.0)
-
-    def linear(_t: float, z: np.ndarray) -> list[float]:
-        return [z[1], z[2] - k * z[1], -2.0 * z[1] - g * z[2] + root2 * gamma]
-
-    end = integrate(linear, (0.0, 0.03), z, "RK45", most=MOST, rtol=1e-12, atol=1e-16).y[:, -1]
-    assert end == pytest.approx(-z, rel=1e-9)
-    assert S * z[0] + d * z[1] == pytest.approx(0.0, abs=1e-15)
-    edge = float(relay_edge(S, k, gamma, alpha))
-    gaps = [edge - linear_relay_orbit(T, S, PLANT)[1] for T in (2e-3, 1e-3)]
-    assert gaps[0] / gaps[1] == pytest.approx(4.0, rel=1e-3)
-
-
-def test_the_relay_orbit_vanishes_at_d_h_as_the_linear_one():
-    """T and the swing of y3 go to 0 together, y2 as T^2, y1 as T^3, d to 0.2789; errors of second order in T."""
-    times = (2e-3, 1e-3)
-    found = [relay_birth(PLANT, S, T) for T in times]
-    d = [orbit.loop.gains.d for orbit in found]
-    edge = (4.0 * d[1] - d[0]) / 3.0
-    assert edge == pytest.approx(float(relay_edge(S, *PLANT[::-1])), rel=1e-6)
-    assert edge == pytest.approx(0.2789, abs=5e-5)
-    tops = np.array([peaks(orbit) - [0.0, 0.0, 0.5, 0.5] for orbit in found])
-    assert np.log2(tops[0] / tops[1]) == pytest.approx([3.0, 2.0, 1.0, 1.0], abs=0.01)
-    swings = [orbit.starts[0, 2] - 0.5 for orbit in found]
-    linear = [0.5 * linear_relay_orbit(T, S, PLANT)[0][2] / PLANT.alpha for T in times]
-    gaps = np.array(swings) / linear - 1.0
-    assert abs(gaps[0]) < 1e-3
-    assert gaps[0] / gaps[1] == pytest.approx(4.0, rel=0.02)
-
-
-def test_the_proportional_orbit_is_born_at_the_edge():
-    orbit = proportional_birth(PLANT, D, 1e-8)
-    assert orbit.loop.gains.s == pytest.approx(1.4642, abs=5e-5)
-    assert math.pi / orbit.lengths[0] == pytest.approx(1.4390, abs=5e-5)
-    assert orbit.lengths[0] == pytest.approx(2.1832, abs=5e-5)
-
-
-@pytest.mark.parametrize(("kind", "sign"), [(PROPORTIONAL, 1.0), (CROSSED, -1.0)])
-@pytest.mark.parametrize("plant", [PLANT, Actuator(0.05, 0.23, 1.5)])
-def test_gain_and_period_leave_the_edge_as_harmonic_balance_has_it(plant: Actuator, kind: int, sign: float):
-    """Both by their chords to two small amplitudes, extrapolated to none; the arcs err by 1e-11 of the supply."""
-    edge, half = float(analogue_edge(D, plant.k, plant.gamma)), math.pi / float(analogue_frequency(D, plant.gamma))
-    chords = []
-    for speed in (2e-3 * plant.alpha, 4e-3 * plant.alpha):
-        orbit = proportional_birth(plant, D, speed, kind)
-        chords.append(np.array([orbit.loop.gains.s - edge, orbit.lengths[0] - half]) / speed)
-    slopes = sign * np.array(birth_slopes(D, plant))
-    assert 2.0 * chords[0] - chords[1] == pytest.approx(slopes, rel=3e-4)
-
-
-def test_every_damped_loop_is_born_soft():
-    """ds/d|y2| is at least 4/(3 pi) (omega^2 + k^2)/(2 alpha omega) of what an opening of one amplitude is."""
-    least, most = np.log([1e-3, 0.01, 0.01, 0.01]), np.log([0.1, 3.0, 5.0, 5.0])
-    for alpha, gamma, k, d in np.exp(np.random.default_rng(8).uniform(least, most, (300, 4))):
-        omega = float(analogue_frequency(d, gamma))
-        edge = float(analogue_edge(d, k, gamma))
-        opening = math.hypot(edge, d * omega) ** 2 / (omega * edge)  # |q| per |y2| at the switch
-        bound = 4.0 / (3.0 * math.pi) * opening * (omega**2 + k**2) / (2.0 * alpha)
-        assert birth_slopes(d, Actuator(alpha, gamma, k))[0] >= 0.999999 * bound
 
 
 @pytest.mark.parametrize("name", ["relay", "proportional"])
@@ -285,7 +166,7 @@ def test_two_free_arcs_find_the_symmetric_orbit(orbits: dict[str, Orbit], name: 
     assert orbit_multipliers(found) == pytest.approx(orbit_multipliers(orbits[name]), abs=1e-7)
 
 
-def test_the_source_s_branches():
+def test_the_branches_of_the_thesis():
     """Fig. 5.4 at d = 0, and both halves of Fig. 5.5: T 2.165 at s = 2; 2.195 at s = 1, with crossed edges."""
     relay = relay_branch(PLANT, 0.0, 1.0)
     assert relay.attracts.all()
@@ -340,35 +221,6 @@ def test_plain_runs_leave_an_unstable_orbit_by_its_multiplier_and_come_to_a_stab
             assert gaps[2:] / gaps[1:-1] == pytest.approx(factor, rel=0.02)
     assert not attracts(repelling)
     assert attracts(attracting)
-
-
-def swing(orbit: Orbit, start: np.ndarray, periods: int) -> np.ndarray:
-    """Greatest |y2| in each of some periods of the proportional loop, from `start`."""
-    end, each = periods * orbit.period, 64
-    times = np.linspace(0.0, end, each * periods + 1)
-    limits = {"t_eval": times, "rtol": 1e-7, "atol": 1e-12}
-    y2 = integrate(rates(orbit, 1.0), (0.0, end), start, "DOP853", most=MOST, **limits).y[1, :-1]
-    return np.abs(y2).reshape(periods, each).max(axis=1)
-
-
-@pytest.mark.parametrize("share", [0.1, 3.0])
-def test_above_the_edge_every_swing_comes_to_the_orbit(share: float):
-    """6 % above: from a tenth of the orbit and from three times it."""
-    orbit = proportional_branch(1.06 * EDGE).orbits[-1]
-    sizes = swing(orbit, orbit.starts[0] * [share, share, 1.0, 1.0], 120)
-    assert sizes[-1] == pytest.approx(peaks(orbit)[1], rel=0.01)
-    assert (sizes[-1] - sizes[0]) * (1.0 - share) > 0.0
-
-
-def test_below_the_edge_there_is_no_orbit_to_repel():
-    """6 % below, where the arcs with crossed edges have an unstable orbit: swings inside and far outside it die."""
-    ghost = proportional_branch(0.94 * EDGE, CROSSED).orbits[-1]
-    loop = ghost._replace(loop=ghost.loop._replace(kind=PROPORTIONAL))
-    assert not attracts(ghost)
-    for share in (0.3, 10.0):
-        sizes = swing(loop, ghost.starts[0] * [share, share, 1.0, 1.0], 30)
-        assert sizes[-1] < 0.5 * sizes[0]
-        assert (np.diff(sizes[3:]) < 0.0).all()
 
 
 def test_what_has_no_orbit_is_refused():
