@@ -1,12 +1,14 @@
 """What ends a run badly, what keeps it from starting, and the words for it."""
 
 import difflib
+import errno
 import unicodedata
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 LIKENESS = 0.55  # of 1: below this a suggestion would mislead
+FOLDER_GONE = "the working folder no longer exists; change to another one"
 
 
 class RunError(Exception):
@@ -39,7 +41,17 @@ def nearest(word: str, valid: Collection[str], further: str = "") -> str:
 def reason(error: OSError) -> str:
     """What the system refuses, in one line: the file if it is known, and why."""
     place = error.filename or "cannot write to standard output or to a temporary file"
-    return f"{place}: {error.strerror or error}"
+    return FOLDER_GONE if _folder_is_gone(error) else f"{place}: {error.strerror or error}"
+
+
+def _folder_is_gone(error: OSError) -> bool:
+    """Is the cause that the working folder was removed?"""
+    if error.errno != errno.ENOENT:
+        return False
+    try:
+        return not Path.cwd()
+    except OSError:
+        return True
 
 
 @contextmanager
@@ -50,7 +62,8 @@ def writing(path: Path) -> Iterator[Path]:
             path.parent.mkdir(parents=True, exist_ok=True)
         yield path
     except OSError as error:
-        raise RunError(f"{path}: cannot be written: {error.strerror or error}") from None
+        why = FOLDER_GONE if _folder_is_gone(error) else error.strerror or error
+        raise RunError(f"{path}: cannot be written: {why}") from None
 
 
 def is_hidden(character: str) -> bool:

@@ -2,7 +2,7 @@
 
 import importlib
 from collections.abc import Iterator, MutableMapping
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -112,6 +112,18 @@ app = typer.Typer(
 )
 
 
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print(f"hydrotwin {version('hydrotwin')}")
+        raise typer.Exit
+
+
 @app.callback()
-def _nothing_before_the_verb() -> None:
-    pass
+def _before_the_verb(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Nothing is done before the verb, unless the version is asked for."""

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from importlib.metadata import version
 from typing import Any
 
 import pytest
@@ -32,6 +33,11 @@ def test_help_names_every_verb_there_is_and_the_exit_codes():
     assert set(get_command(app).commands) >= set(VERBS)  # pyright: ignore[reportAttributeAccessIssue]
     assert "Exit codes" in text
     assert "--install-completion" in text
+
+
+def test_the_version_is_that_of_the_package():
+    done = CliRunner().invoke(app, ["--version"])
+    assert (done.exit_code, done.output) == (0, f"hydrotwin {version('hydrotwin')}\n")
 
 
 def test_the_list_of_verbs_says_what_each_says_of_itself():

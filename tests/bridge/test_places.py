@@ -180,6 +180,15 @@ def test_streams_that_refuse_get_a_line_at_most(tmp_path: Path, text: str, code:
     assert words in done.stderr
 
 
+@pytest.mark.parametrize("text", ["ht scenarios", "ht schema > /dev/null; ht figure 2.2"])
+def test_a_working_folder_that_was_removed_is_named(tmp_path: Path, text: str):
+    (tmp_path / "gone").mkdir()
+    done = command(f"cd gone; rmdir ../gone; {text}", tmp_path)
+    assert "the working folder no longer exists" in done.stderr.splitlines()[-1]
+    assert "Traceback" not in done.stderr
+    assert done.returncode == 1
+
+
 @pytest.mark.parametrize("locale", ["C", "en_US.ISO-8859-1"])
 def test_files_are_utf_8_in_any_locale(tmp_path: Path, locale: str):
     (tmp_path / "own.toml").write_text('extends = "step"\ntitle = "Größe µ"\nduration = "0.1 s"\n', encoding="utf-8")
