@@ -12,12 +12,13 @@ from bridge.errors import UsageError
 if TYPE_CHECKING:
     from bridge.scenario import Scenario
     from bridge.studies.stability.advice import Advice, CycleAdvice, GainInUnits, PointAdvice, RowAdvice, StepAdvice
+    from bridge.studies.stability.verified import Verified
 
 PAIR = "LOW:HIGH"
 STEP = Annotated[
     list[str] | None, typer.Option("--step", metavar="LENGTH", help="Size of a step [default: 2, 20 and 60 mm].")
 ]
-VERIFY = Annotated[bool, typer.Option("--verify", help="Run the twin at the ends of each interval.")]
+VERIFY = Annotated[bool, typer.Option("--verify", help="Search each interval for the twin's own edge.")]
 RANGE = Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the first axis.")]
 OTHER_RANGE = Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the other.")]
 RIG = Annotated[
@@ -65,11 +66,7 @@ def advise(
     elif as_json:
         from bridge.studies.stability.verified import verified
 
-        runs = [
-            one._asdict() | {"found": one.found._asdict(), "agrees": one.agrees}
-            for one in verified(checked, found.steps)
-        ]
-        print_json(found.plain() | {"verified": runs})
+        print_json(found.plain() | {"verified": [one.plain() for one in verified(checked, found.steps)]})
     else:
         _print(found)
         if verify:
@@ -190,20 +187,24 @@ def _print_verified(scenario: "Scenario", found: "Advice") -> None:
     from bridge.studies.stability.verified import verified
 
     runs = list(verified(scenario, found.steps))
-    rows = [
-        (
-            f"{run.size * 1e3:+g} mm",
-            f"{run.gain:.3g} {found.unit}",
-            "swings" if run.expected else "settles",
-            f"{run.found.peak_to_peak * 1e3:.3g} mm"
-            + (f" at {run.found.frequency:.3g} Hz" if run.found.counts else ""),
-            "agrees" if run.agrees else "DISAGREES",
-        )
-        for run in runs
-    ]
     print()
-    print_table(("step", "gain", "theory", "twin, last third", ""), rows)
-    print(f"The twin agrees in {sum(run.agrees for run in runs)} of {len(runs)} runs.")
+    print_table(
+        ("after a step of", "theory", "the twin's edge", "swings by", "at", ""),
+        [_verified_row(run, found.unit) for run in runs],
+    )
+    print(f"The twin agrees in {sum(run.agrees for run in runs)} of {len(runs)} steps.")
+
+
+def _verified_row(run: "Verified", unit: str) -> tuple[str, ...]:
+    from math import isfinite
+
+    edge, above = run.found, f"{run.high:.3g}" if isfinite(run.high) else "any"
+    theory, agrees = f"{run.low:.3g} to {above} {unit}", "agrees" if run.agrees else "DISAGREES"
+    if not isfinite(edge.swings):
+        return f"{run.size * 1e3:+g} mm", theory, f"settles up to {edge.settles:.3g} {unit}", "-", "-", agrees
+    often = f"{edge.frequency:.2g} Hz" if edge.frequency else "irregular"
+    peak = f"{edge.peak_to_peak * 1e3:.2g} mm"
+    return f"{run.size * 1e3:+g} mm", theory, f"{edge.swings:.3g} {unit}", peak, often, agrees
 
 
 def _row(name: str, point: "PointAdvice") -> tuple[str, ...]:

@@ -10,11 +10,11 @@ from controller.law import Gains, pd
 from controller.pid import PidGains, pid
 from controller.reference import Target
 from controller.stability.amplitude.drive import pace_of
-from controller.stability.amplitude.edges import Edge, lasting, spanned
+from controller.stability.amplitude.edges import SCAN, Edge, lasting, smallest_swinging, spanned
 from controller.stability.amplitude.linear_law import pd_law, with_integral
 from controller.stability.amplitude.reduce import at_rest, reduced
 from controller.stability.amplitude.run import Card, Course, run_asking, run_linear
-from controller.stability.amplitude.swing import last_third
+from controller.stability.amplitude.swing import Swing, last_third
 from twin.circuit.build import build
 from twin.circuit.linear import moving_point
 from twin.rig import values
@@ -118,11 +118,30 @@ def test_a_position_that_is_on_its_way_does_not_swing():
     assert last_third(time, way + 5e-4 * np.sin(2.0 * math.pi * 3.0 * time)).counts
 
 
-def test_members_span_an_interval_and_runs_last_long_enough():
-    found = spanned(2e-3, [Edge(1.0, 1.1, 3.0, 1e-3), Edge(1.5, 1.6, 5.0, 2e-3), Edge(9.0, math.inf, 0.0, 0.0)])
-    assert found.low < 1.1
-    assert math.isinf(found.high)
-    assert found.frequency == 4.0
+def test_the_edges_of_several_noises_give_an_interval():
+    """Mean and standard deviation of the logarithm; one noise without an edge does not count, two do."""
+    found = spanned(2e-3, [Edge(0.9 * g, g, 3.0 + g, 1e-3) for g in (1.0, 2.0, 4.0)])
+    reach = 1.05 * 2.0**1.3
+    assert (found.low, found.high) == pytest.approx((2.0 / reach, 2.0 * reach))
+    assert found.frequency == 5.0
+    never = Edge(9.0, math.inf, 0.0, 0.0)
+    assert math.isfinite(spanned(2e-3, [Edge(1.0, 1.1, 3.0, 1e-3), never]).high)
+    assert math.isinf(spanned(2e-3, [Edge(1.0, 1.1, 3.0, 1e-3), never, never]).high)
+    assert math.isinf(spanned(2e-3, [never]).low)
+
+
+def test_the_smallest_gain_that_swings_is_found_among_louder_ones_that_settle():
+    """Swings between 1.0 and 1.2, and again from 3 on: a search by 5 % meets the first range, by 25 % maybe not."""
+
+    def swings_at(gain: float) -> Swing:
+        return Swing(1e-3 if 1.0 <= gain <= 1.2 or gain >= 3.0 else 0.0, 2.0)
+
+    for first in (0.1, 0.5, 1.1):
+        found = smallest_swinging(swings_at, first, SCAN)
+        assert found.settles < 1.0 <= found.swings < 1.02 * found.settles
+
+
+def test_runs_last_long_enough():
     assert [lasting(*times) for times in ((0.01, 0.0), (0.5, 0.0), (0.01, 5.0))] == pytest.approx([20.0, 100.0, 50.0])
     with pytest.raises(ValueError, match="beyond the theory"):
         lasting(60.0, 0.0)

@@ -1,7 +1,7 @@
 """A scenario's loop as the theory that depends on amplitude takes it, and what that says: which gains settle.
 
 Every run of `controller.stability.amplitude` starts where the scenario starts and follows one step of the reference,
-whatever the scenario's own reference is. The work is bounded: so many motions, members and gains, each run of at most
+whatever the scenario's own reference is. The work is bounded: so many motions, noises and gains, each run of at most
 some hundred thousand steps. Runs go to two threads, and an interruption is answered between two of them.
 """
 
@@ -18,11 +18,10 @@ from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
 from bridge.studies.stability.sampled_law import free_gain, law_of
 from controller.stability.amplitude.edges import (
-    MEMBERS,
-    WIDER,
+    ROUGH,
+    SEEDS,
     Interval,
     Loop,
-    Member,
     edge,
     lasting,
     nearer,
@@ -35,7 +34,8 @@ from controller.stability.amplitude.swing import Swing
 
 ASKED = (2e-3, 20e-3, 60e-3)  # [m], steps in both directions, unless others are asked for
 FURTHER = (5e-3, 120e-3)  # [m], that also count among all motions
-FEW = MEMBERS[:2]  # of the further ones
+FEW = SEEDS[:2]  # noises with the further ones
+ROUGHLY = 1.15  # beyond the edges of a single noise
 AT = 1.0  # [s], of the step
 QUIET, IN_A_ROW = 1.6, 3  # between gains on the way down, until so many settle: louder ones may, above those that swing
 LEAST = 1e-2  # of the scenario's own gain: no quieter gain is looked for
@@ -96,7 +96,7 @@ def both_ways(scenario: Scenario, sizes: Iterable[float]) -> list[float]:
     return [size for size in signed if 0.0 < start + size < stroke]
 
 
-def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, members: Sequence[Member] = MEMBERS) -> SwingRange:
+def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, seeds: Sequence[int] = SEEDS) -> SwingRange:
     """Which gains settle after which steps [m]. Raises ScenarioError where there is no answer."""
     loop, own = loop_of(scenario), free_gain(scenario).own
     asked = both_ways(scenario, sizes)
@@ -108,8 +108,8 @@ def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, members: Seq
         )
     first = quiet_gain(loop, [*asked, *further], own)
     sizes = [*asked, *further]
-    starts = threaded(lambda size: edge(loop, size, members[0], first), sizes)
-    jobs = [(s, nearer(e, first), m) for s, e in zip(sizes, starts, strict=True) for m in _rest(s in asked, members)]
+    starts = threaded(lambda size: edge(loop, size, seeds[0], first), sizes)
+    jobs = [(s, nearer(e, first), n) for s, e in zip(sizes, starts, strict=True) for n in _rest(s in asked, seeds)]
     others = threaded(lambda job: edge(loop, job[0], job[2], job[1]), jobs)
     edges = [*zip(sizes, starts, strict=True), *((job[0], e) for job, e in zip(jobs, others, strict=True))]
     by_size = {size: spanned(size, [e for at, e in edges if at == size]) for size in sizes}
@@ -118,9 +118,9 @@ def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, members: Seq
     return SwingRange(low, high, tuple(by_size[size] for size in asked), tuple(rows))
 
 
-def _rest(is_asked: bool, members: Sequence[Member]) -> Sequence[Member]:
-    """The members after the first, few of them for a step that nobody asked for."""
-    return members[1:] if is_asked else FEW[1:]
+def _rest(is_asked: bool, seeds: Sequence[int]) -> Sequence[int]:
+    """The noises after the first, few of them for a step that nobody asked for."""
+    return seeds[1:] if is_asked else FEW[1:]
 
 
 def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[float, Swing]]:
@@ -135,17 +135,17 @@ def lowest_later(scenario: Scenario, low: float) -> float:
     times = {"delay": scenario.loop.delay + scenario.loop.sample_period}
     loop = loop_of(scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)}))
     sizes = both_ways(scenario, ASKED)
-    return min(e.swings for e in threaded(lambda size: edge(loop, size, MEMBERS[0], 0.3 * low), sizes)) / WIDER
+    return min(e.swings for e in threaded(lambda size: edge(loop, size, SEEDS[0], 0.3 * low, ROUGH), sizes)) / ROUGHLY
 
 
 def range_over(scenario: Scenario, period: float, own: float, size: float) -> tuple[float, float]:
-    """(settles below, swings above) with another sampling period [s], of steps of a size [m] both ways; one member."""
+    """(settles below, swings above) with another sampling period [s], of steps of a size [m] both ways; one noise."""
     times = {"sample_period": period, "command_timeout": max(scenario.loop.command_timeout, 2.0 * period)}
     changed = scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)})
     loop, sizes = loop_of(changed), both_ways(scenario, (size,))
     first = quiet_gain(loop, sizes, own)
-    found = threaded(lambda size: edge(loop, size, MEMBERS[0], first), sizes)
-    return min(e.swings for e in found) / WIDER, max(e.swings for e in found) * WIDER
+    found = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), sizes)
+    return min(e.swings for e in found) / ROUGHLY, max(e.swings for e in found) * ROUGHLY
 
 
 def quiet_gain(loop: Loop, sizes: Sequence[float], own: float) -> float:
@@ -171,7 +171,7 @@ def picture(loop: Loop, sizes: Sequence[float], low: float, high: float, own: fl
 
 
 def own_row(scenario: Scenario, own: float) -> tuple[PictureRow, int]:
-    """What the own gain does after the steps of ASKED that have room, by one member, and how many these are."""
+    """What the own gain does after the steps of ASKED that have room, with one noise, and how many these are."""
     loop, sizes = loop_of(scenario), both_ways(scenario, ASKED)
     if not sizes:
         raise ScenarioError(f"no step fits into the stroke from {scenario.start.position * 1e3:g} mm")

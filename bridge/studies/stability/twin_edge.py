@@ -2,8 +2,8 @@
 
 The reference steps once; the run lasts 20 s, 200 sampling periods or 10 delays, whichever is longest. It swings if the
 true position varies by more than 0.3 mm, peak to peak, in the last third. Such gains need not be one range: a louder
-loop may settle where a quieter one does not. So the gain rises from far below, by a fixed factor, until a run swings,
-and the last interval is bisected.
+loop may settle where a quieter one does not. So the gain rises from far below, by 5 % at a time, until a run
+swings, and the last interval is bisected.
 """
 
 import math
@@ -17,7 +17,7 @@ from bridge.studies.stability.trial import Stand, trial
 from controller.stability.amplitude.edges import Edge, Scan, lasting, smallest_swinging
 from controller.stability.amplitude.swing import Swing, last_third
 
-SCAN = Scan(ratio=1.15, tolerance=1.02, up=64.0, down=64.0, back=0.5)
+SCAN = Scan(ratio=1.05, tolerance=1.02, up=64.0, down=64.0, back=0.8)
 AT = 1.0  # [s], when the reference steps
 
 
@@ -45,8 +45,7 @@ def twin_swing(scenario: Scenario, gain: float, size: float, on: Stand | None = 
     return last_third(trace.time, trace.position)
 
 
-def step_edge(scenario: Scenario, size: float, first: float, tolerance: float = SCAN.tolerance) -> Edge:
+def step_edge(scenario: Scenario, size: float, first: float, scan: Scan = SCAN) -> Edge:
     """The edge for a step of a size [m], scanned upwards from a gain `first` that had better be too low."""
     on = stand_of(scenario)
-    scan = SCAN._replace(tolerance=tolerance)
     return smallest_swinging(lambda gain: twin_swing(scenario, gain, size, on), first, scan)

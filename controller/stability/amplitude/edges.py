@@ -1,9 +1,10 @@
 """At which gain a step leaves the loop swinging: an interval, since noise, friction and the smallest chance decide.
 
-The edge of one run is the smallest gain at which it swings: the gain rises from one that settles until it does, and the
-last interval is bisected. Near an edge the piston sticks and breaks loose irregularly, so another noise of the card
-gives another edge. A few members, each with its own noise and a friction within some per cent, span the interval, the
-most tolerant of many left out; what the reduction leaves out widens it by a fixed factor.
+The edge is the smallest gain at which a run swings: the gain rises from one that settles, by a small factor, until a
+run swings, and the last interval is bisected. Near an edge the piston sticks and breaks loose irregularly: one gain
+settles with one noise of the card and swings with another, so each noise has its own edge. A coarser search would meet
+the edge later and with more scatter. The edges of some noises have a mean and a standard deviation, in the logarithm of
+the gain, and these give the interval.
 """
 
 import math
@@ -20,7 +21,11 @@ from controller.stability.amplitude.swing import Swing, last_third
 SECONDS, PERIODS, DELAYS = 20.0, 200.0, 10.0  # of a run, the longest of them
 LONGEST, LEAST = 400.0, 20.0  # but at most so many seconds, or so many periods
 SLOWEST = 20.0  # [s], a sampling period
-BACK = 0.4  # of the first member's edge, where the others start: theirs may be much lower
+BACK = 0.3  # of the first noise's edge, where the others start: theirs may be much lower
+SEEDS = tuple(range(1, 13))  # of the card's noise, whose edges span an interval
+SPREAD = 1.3  # standard deviations of an edge on both sides of the mean
+WIDER = 1.05  # beyond that, for what the reduction leaves out
+TOLERANT = 1  # noises without an edge that do not count
 
 
 class Scan(NamedTuple):
@@ -33,19 +38,8 @@ class Scan(NamedTuple):
     back: float  # from one run to the next on the way down
 
 
-SCAN = Scan(ratio=1.25, tolerance=1.04, up=300.0, down=10.0, back=0.7)
-
-
-class Member(NamedTuple):
-    """One of those that span an interval."""
-
-    seed: int  # of the card's noise
-    friction: float  # over the seal's
-
-
-MEMBERS = (Member(1, 1.0), Member(2, 0.95), Member(3, 1.05), Member(4, 1.0), Member(5, 0.9), Member(6, 1.1))
-WIDER = 1.15  # beyond the members, down and up
-MANY = 5  # members, of which the most tolerant is left out
+SCAN = Scan(ratio=1.05, tolerance=1.02, up=300.0, down=10.0, back=0.8)
+ROUGH = Scan(ratio=1.25, tolerance=1.04, up=300.0, down=10.0, back=0.7)  # for charts
 
 
 class Loop(NamedTuple):
@@ -59,7 +53,7 @@ class Loop(NamedTuple):
 
 
 class Edge(NamedTuple):
-    """The edge of one member."""
+    """The edge with one noise."""
 
     settles: float  # largest gain below the edge that settles; 0.0: none does
     swings: float  # smallest that swings; inf: none does
@@ -73,7 +67,7 @@ class Interval(NamedTuple):
     size: float  # of the step [m], upwards positive
     low: float  # settles below
     high: float  # swings above; inf: never
-    frequency: float  # [Hz], of the swing at the edge, the members' median; 0.0: irregular
+    frequency: float  # [Hz], of the swing at the edge, the median; 0.0: irregular
     frequencies: tuple[float, float]  # [Hz], least and greatest
     peaks: tuple[float, float]  # [m], peak to peak there
 
@@ -89,19 +83,17 @@ def lasting(period: float, delay: float) -> float:
     return period * math.ceil(round(min(wanted, max(LONGEST, LEAST * period)) / period, 6))
 
 
-def swing(loop: Loop, gain: float, size: float, member: Member = MEMBERS[0]) -> Swing:
-    """The last third after a step of a size [m] at a gain."""
-    seal = loop.drive.seal
-    drive = loop.drive._replace(seal=seal._replace(perimeter=member.friction * seal.perimeter))
+def swing(loop: Loop, gain: float, size: float, seed: int = SEEDS[0]) -> Swing:
+    """The last third after a step of a size [m] at a gain, with one noise of the card."""
     law = loop.law(gain)
     if isinstance(law, LinearLaw):
-        return last_third(*run_linear(drive, loop.start, law, size, loop.when, loop.card, member.seed))
-    return last_third(*run_asking(drive, loop.start, law, size, loop.when, loop.card, member.seed))
+        return last_third(*run_linear(loop.drive, loop.start, law, size, loop.when, loop.card, seed))
+    return last_third(*run_asking(loop.drive, loop.start, law, size, loop.when, loop.card, seed))
 
 
-def edge(loop: Loop, size: float, member: Member, first: float) -> Edge:
-    """The smallest gain at which a member swings, searched upwards from a gain `first`, or from what settles below."""
-    return smallest_swinging(lambda gain: swing(loop, gain, size, member), first, SCAN)
+def edge(loop: Loop, size: float, seed: int, first: float, scan: Scan = SCAN) -> Edge:
+    """The smallest gain that swings with one noise, searched upwards from a gain `first` or from what settles below."""
+    return smallest_swinging(lambda gain: swing(loop, gain, size, seed), first, scan)
 
 
 def smallest_swinging(swing_at: Callable[[float], Swing], first: float, scan: Scan) -> Edge:
@@ -124,24 +116,34 @@ def smallest_swinging(swing_at: Callable[[float], Swing], first: float, scan: Sc
     return Edge(low, high, found.frequency, found.peak_to_peak)
 
 
-def interval(loop: Loop, size: float, first: float, members: Sequence[Member] = MEMBERS, each: Map = map) -> Interval:
+def interval(loop: Loop, size: float, first: float, seeds: Sequence[int] = SEEDS, each: Map = map) -> Interval:
     """The interval of a step, searched from a gain `first` that should settle."""
-    start = edge(loop, size, members[0], first)
+    start = edge(loop, size, seeds[0], first)
     near = nearer(start, first)
-    return spanned(size, [start, *each(lambda member: edge(loop, size, member, near), members[1:])])
+    return spanned(size, [start, *each(lambda seed: edge(loop, size, seed, near), seeds[1:])])
 
 
 def nearer(found: Edge, first: float) -> float:
-    """Where the search of the other members starts."""
+    """Where the search with the other noises starts."""
     return max(first, BACK * found.swings) if math.isfinite(found.swings) else first
 
 
 def spanned(size: float, found: Sequence[Edge]) -> Interval:
-    """The interval that the edges of some members span."""
+    """The interval that the edges of some noises give."""
     swinging = [one for one in found if math.isfinite(one.swings)]
-    low = min((one.swings for one in swinging), default=math.inf) / WIDER
-    tolerated = sorted(one.swings for one in found)
-    high = tolerated[-2 if len(found) >= MANY else -1] * WIDER
+    low, high = _reach([one.swings for one in swinging])
+    if len(found) - len(swinging) > TOLERANT or not swinging:
+        high = math.inf
     often = [one.frequency for one in swinging if one.frequency > 0.0] or [0.0]
     peaks = [one.peak_to_peak for one in swinging] or [0.0]
     return Interval(size, low, high, float(np.median(often)), (min(often), max(often)), (min(peaks), max(peaks)))
+
+
+def _reach(gains: Sequence[float]) -> tuple[float, float]:
+    """Below and above which another noise's edge is not expected."""
+    if not gains:
+        return math.inf, math.inf
+    logarithms = np.log(gains)
+    middle, spread = float(logarithms.mean()), float(logarithms.std(ddof=1)) if len(gains) > 1 else 0.0
+    reach = SPREAD * spread + math.log(WIDER)
+    return math.exp(middle - reach), math.exp(middle + reach)
