@@ -97,11 +97,7 @@ def _print(found: "Advice") -> None:
         f"{found.scenario}: gain {_in(found.gain, unit)}, D {found.derivative_gain.volts:.4g} V s/% "
         f"({timing.derivative}), sampled every {timing.period * 1e3:g} ms, delay {timing.delay * 1e3:g} ms"
     )
-    above = _in(found.swings_above, unit) if found.swings_above.volts is not None else "no gain"
-    print(
-        f"Every motion settles below {_in(found.settles_below, unit)} and swings above {above}; "
-        f"this loop {found.verdict.words}.\n"
-    )
+    print("\n".join(_answer(found)) + "\n")
     print_table(
         (f"after a step of, from {found.starts_at * 1e3:g} mm", "settles below", "swings above", "starts with", "at"),
         [_step_row(step, unit) for step in found.steps],
@@ -125,8 +121,24 @@ def _print(found: "Advice") -> None:
         print_table(heads, [_row(name, point) for name, point in found.points.items()])
     suggested = found.suggested
     print(f"\nsuggested gain: {_in(suggested.gain, unit)}, patient {_in(suggested.patient, unit)} ({suggested.rule})")
+    if suggested.hunts_by is not None:
+        print(f"At {_in(suggested.gain, unit)} it hunts by up to {suggested.hunts_by * 1e3:.2g} mm peak to peak.")
     for note in found.notes:
         print(note)
+
+
+def _answer(found: "Advice") -> list[str]:
+    """The gains that count, and what the own one does."""
+    unit, wide = found.unit, found.wide_above
+    above = _in(found.swings_above, unit) if found.swings_above.volts is not None else "no gain"
+    widely = f"below {_in(wide, unit)}" if wide.volts is not None else "at any gain that was tried"
+    own = [row.peak_to_peak for row in found.rows if row.gain.volts == found.gain.volts]
+    by = f", by up to {own[0] * 1e3:.2g} mm peak to peak" if own and own[0] > 0.0 else ""
+    return [
+        f"Every motion settles below {_in(found.settles_below, unit)}, every one swings above {above}; "
+        f"none swings by more than 1 mm {widely}.",
+        f"This loop {found.verdict.words}{by}.",
+    ]
 
 
 def _in(gain: "GainInUnits", unit: str) -> str:

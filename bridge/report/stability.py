@@ -11,8 +11,9 @@ from bridge.report.subject import Run
 from bridge.studies.stability.operating import OperatingPoint, edge_curves, operating_point, sentences
 
 CAPTION = (
-    "By the theory of the reduced drive, with friction, saturation and card: below both lines the loop settles after "
-    "steps of 20 mm in both directions, above both it swings after either. The dot is the run."
+    "By the theory of the reduced drive, with friction, saturation and card, after steps of 20 mm: below the lower "
+    "line the loop settles, between the lines it hunts by up to 1 mm peak to peak, above the upper line it may swing "
+    "by more. The dot is the run."
 )
 
 
@@ -28,11 +29,11 @@ def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
         return None
     intervals, edges = edge_curves(known[0][0].scenario)
     figure, (axis,) = canvas(1, 2.8)
-    top = 1.25 * max(float(np.max(edges)), *(point.gain for _, point in known))
+    top = 1.25 * max(float(np.max(edges[np.isfinite(edges)])), *(point.gain for _, point in known))
     axis.fill_between(intervals * 1e3, 0.0, edges[:, 0], color=LIGHT["blue"], alpha=0.12, linewidth=0.0)
     axis.fill_between(intervals * 1e3, edges[:, 0], edges[:, 1], color=LIGHT["grey"], alpha=0.25, linewidth=0.0)
-    axis.plot(intervals * 1e3, edges[:, 0], color=LIGHT["blue"], linewidth=1.2, label="all settle below")
-    axis.plot(intervals * 1e3, edges[:, 1], color=LIGHT["red"], linewidth=1.2, label="all swing above")
+    axis.plot(intervals * 1e3, edges[:, 0], color=LIGHT["blue"], linewidth=1.2, label="settles below")
+    axis.plot(intervals * 1e3, edges[:, 1], color=LIGHT["red"], linewidth=1.2, label="swings by more than 1 mm above")
     for (run, point), colour in zip(known, RUNS * len(known), strict=False):
         place = point.sample_period * 1e3, point.gain
         axis.plot(*place, "o", color=colour, markeredgecolor="white", markersize=8, label=run.name)

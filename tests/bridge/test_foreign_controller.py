@@ -100,7 +100,7 @@ def test_a_law_of_ones_own_moves_the_piston_to_the_target(tmp_path):
         "--set",
         "controller.law=my_law:law",
     )
-    done = hydrotwin("run", "step", *options, "--record", str(path), cwd=EXAMPLES, timeout=60.0)
+    done = hydrotwin("run", "step", *options, "--record", str(path), cwd=EXAMPLES)
     assert done.returncode == 0, done.stdout + done.stderr
     recording = read(path)
     assert recording.scenario().controller.model_dump()["law"] == "my_law:law"

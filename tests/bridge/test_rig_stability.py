@@ -250,7 +250,7 @@ def test_map_writes_picture_table_and_a_page_without_addresses(tmp_path):
     words = ["map", "period", "gain", "--rig", "slow-sampling", "--x", "80:200", "--y", "0.05:2", "--cells", "8"]
     done = CliRunner().invoke(app, [*words, "--runs", "3", "--workers", "1", "-o", str(tmp_path / "m"), "--json"])
     assert done.exit_code == 0, done.output
-    assert [path.rpartition(".")[2] for path in json.loads(done.output[done.output.index("[") :])] == [
+    assert [path.rpartition(".")[2] for path in json.loads(done.stdout)] == [
         "png",
         "csv",
         "html",

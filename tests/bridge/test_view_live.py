@@ -21,6 +21,7 @@ from tests.bridge.test_view import column
 from tests.support.command import hydrotwin_here
 from tests.support.processes import (
     COARSE,
+    LOOSE,
     UNDRAWN,
     hydrotwin,
     started,
@@ -127,7 +128,7 @@ def test_a_stalled_or_killed_viewer_holds_nobody(tmp_path: Path, number: signal.
     """The run is as long as without it and loses nothing."""
     view = tmp_path / "a.rrd"
     with (
-        running("--record", str(tmp_path / "a.mcap"), *COARSE, *PATIENT) as (process, endpoint),
+        running("--record", str(tmp_path / "a.mcap"), *COARSE, *PATIENT, *LOOSE) as (process, endpoint),
         started("view", "--connect", endpoint, "--save", str(view), "--patience", "60") as viewer,
     ):
         wait_for(view.exists, 60.0)

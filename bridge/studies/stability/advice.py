@@ -14,7 +14,14 @@ from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
 from bridge.scenario.controllers import Pd
 from bridge.scenario.gains import gains
-from bridge.studies.stability.amplitude import ASKED, SwingRange, cycles, lowest_later, swing_range
+from bridge.studies.stability.amplitude import (
+    ASKED,
+    SwingRange,
+    cycles,
+    hunting,
+    swing_range,
+    wide_gain_later,
+)
 from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins_of, named, timing_of
 from bridge.studies.stability.rig_plant import RigPlant, plants
 from bridge.studies.stability.sampled_law import FreeGain, free_gain
@@ -24,7 +31,10 @@ from controller.stability import Margins
 from controller.stability.amplitude.edges import Interval
 from controller.stability.margins import GAIN_MARGIN
 
-RULE = f"1/{GAIN_MARGIN:g} of the gain below which all settles; the patient one settles with one more period of delay"
+RULE = (
+    f"1/{GAIN_MARGIN:g} of the gain below which none swings by more than 1 mm; the patient one also with one more "
+    "period of delay"
+)
 LONGEST = 40  # sampling periods of delay that the linear theory takes: the work grows with the cube
 MOST_DELAY = 50.0  # sampling periods; more are likely a missing unit
 
@@ -119,11 +129,12 @@ class Suggestion(NamedTuple):
 
     gain: GainInUnits
     patient: GainInUnits  # tolerates one more sampling period of delay
+    hunts_by: float | None  # [m], peak to peak at the suggested gain, at most LARGEST where it settles
     rule: str
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""
-        return {"gain": self.gain._asdict(), "patient": self.patient._asdict(), "rule": self.rule}
+        return self._asdict() | {"gain": self.gain._asdict(), "patient": self.patient._asdict()}
 
 
 class Advice(NamedTuple):
@@ -139,6 +150,7 @@ class Advice(NamedTuple):
     verdict: Stability
     settles_below: GainInUnits
     swings_above: GainInUnits
+    wide_above: GainInUnits  # below: no motion swings by more than 1 mm
     steps: tuple[StepAdvice, ...]
     rows: tuple[RowAdvice, ...]
     points: dict[str, PointAdvice]  # linear, by the name of the point: rest, up, down; none for laws other than PD
@@ -147,7 +159,7 @@ class Advice(NamedTuple):
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""
-        pairs = ("gain", "derivative_gain", "settles_below", "swings_above")
+        pairs = ("gain", "derivative_gain", "settles_below", "swings_above", "wide_above")
         return {
             "scenario": self.scenario,
             "held_at": self.held_at,
@@ -212,7 +224,6 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
     free = free_gain(scenario)
     found, own = swing_range(scenario, sizes), gains_of(scenario)
     points, left_out = _linear(scenario)
-    later = min(found.low / GAIN_MARGIN, lowest_later(scenario, found.low))
     return Advice(
         scenario=scenario.name,
         held_at=at_reference_end(scenario).start.position,
@@ -224,12 +235,21 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
         verdict=verdict(free.own, found),
         settles_below=_free(found.low, free),
         swings_above=_free(found.high, free),
+        wide_above=_free(found.wide, free),
         steps=tuple(_step(interval, free) for interval in found.intervals),
         rows=tuple(RowAdvice(_free(r.gain, free), r.swinging, r.peak_to_peak, r.frequency) for r in found.rows),
         points=points,
-        suggested=Suggestion(_free(found.low / GAIN_MARGIN, free), _free(later, free), RULE),
+        suggested=_suggestion(scenario, sizes, found, free),
         notes=(*_notes(scenario, free), *left_out),
     )
+
+
+def _suggestion(scenario: Scenario, sizes: Sequence[float], found: SwingRange, free: FreeGain) -> Suggestion:
+    """Half of the gain from which a motion swings widely; none where none does or all do."""
+    gain = found.wide / GAIN_MARGIN
+    later = min(gain, wide_gain_later(scenario, sizes, found.low))
+    hunts = hunting(scenario, sizes, gain) if math.isfinite(gain) else None
+    return Suggestion(_free(gain, free), _free(later, free), hunts, RULE)
 
 
 def gains_of(scenario: Scenario) -> float:

@@ -30,7 +30,7 @@ from controller.stability.amplitude.edges import (
 )
 from controller.stability.amplitude.reduce import at_rest, reduced
 from controller.stability.amplitude.run import MOST_PERIODS, Card, Course
-from controller.stability.amplitude.swing import Swing
+from controller.stability.amplitude.swing import WIDE, Swing
 
 ASKED = (2e-3, 20e-3, 60e-3)  # [m], steps in both directions, unless others are asked for
 FURTHER = (5e-3, 120e-3)  # [m], that also count among all motions
@@ -57,6 +57,7 @@ class SwingRange(NamedTuple):
 
     low: float  # below: no motion that was tried swings
     high: float  # above: every one does; inf: never all
+    wide: float  # below: none swings by more than WIDE; inf: none at any gain
     intervals: tuple[Interval, ...]  # of each step asked for, down and up
     rows: tuple[PictureRow, ...]
 
@@ -114,8 +115,9 @@ def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, seeds: Seque
     edges = [*zip(sizes, starts, strict=True), *((job[0], e) for job, e in zip(jobs, others, strict=True))]
     by_size = {size: spanned(size, [e for at, e in edges if at == size]) for size in sizes}
     low, high = min(i.low for i in by_size.values()), max(i.high for i in by_size.values())
-    rows = picture(loop, asked, low, high, own)
-    return SwingRange(low, high, tuple(by_size[size] for size in asked), tuple(rows))
+    wide = wide_gain(loop, asked, low)
+    rows = picture(loop, asked, low, max((g for g in (high, wide) if math.isfinite(g)), default=math.inf), own)
+    return SwingRange(low, high, wide, tuple(by_size[size] for size in asked), tuple(rows))
 
 
 def _rest(is_asked: bool, seeds: Sequence[int]) -> Sequence[int]:
@@ -130,22 +132,34 @@ def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[flo
     return list(zip(steps, threaded(lambda size: swing(loop, 1.0, size), steps), strict=True))
 
 
-def lowest_later(scenario: Scenario, low: float) -> float:
-    """Below which gain all settles with one more sampling period of delay; low: the same without."""
+def wide_gain(loop: Loop, sizes: Sequence[float], first: float) -> float:
+    """Below which gain no step of these sizes [m] leaves a swing of more than WIDE; searched from `first` upwards."""
+    found = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH, WIDE), sizes)
+    return min(e.swings for e in found) / ROUGHLY
+
+
+def wide_gain_later(scenario: Scenario, sizes: Sequence[float], first: float) -> float:
+    """The same with one more sampling period of delay."""
     times = {"delay": scenario.loop.delay + scenario.loop.sample_period}
     loop = loop_of(scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)}))
-    sizes = both_ways(scenario, ASKED)
-    return min(e.swings for e in threaded(lambda size: edge(loop, size, SEEDS[0], 0.3 * low, ROUGH), sizes)) / ROUGHLY
+    return wide_gain(loop, both_ways(scenario, sizes), first)
 
 
 def range_over(scenario: Scenario, period: float, own: float, size: float) -> tuple[float, float]:
-    """(settles below, swings above) with another sampling period [s], of steps of a size [m] both ways; one noise."""
+    """Below which gain a step of a size [m] settles, and swings by at most WIDE, with another sampling period [s]."""
     times = {"sample_period": period, "command_timeout": max(scenario.loop.command_timeout, 2.0 * period)}
     changed = scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)})
     loop, sizes = loop_of(changed), both_ways(scenario, (size,))
     first = quiet_gain(loop, sizes, own)
     found = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), sizes)
-    return min(e.swings for e in found) / ROUGHLY, max(e.swings for e in found) * ROUGHLY
+    return min(e.swings for e in found) / ROUGHLY, wide_gain(loop, sizes, first)
+
+
+def hunting(scenario: Scenario, sizes: Sequence[float], gain: float) -> float:
+    """Peak to peak [m], the largest after steps of these sizes [m], at a gain."""
+    loop = loop_of(scenario)
+    found = threaded(lambda size: swing(loop, gain, size), both_ways(scenario, sizes))
+    return max(s.peak_to_peak for s in found)
 
 
 def quiet_gain(loop: Loop, sizes: Sequence[float], own: float) -> float:

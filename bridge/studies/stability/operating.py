@@ -97,9 +97,10 @@ def steps_in_words(sizes: Sequence[float]) -> str:
 
 
 def edge_curves(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Sampling intervals [s] around the run's own, and below and above which gain all settle and swing there, (n, 2).
+    """Sampling intervals [s] around the run's own; below which gain a step settles, and does not swing widely, (n, 2).
 
-    In the unit of the free gain. Of steps of CHARTED alone and with one noise, so rougher than `advise`.
+    In the unit of the free gain, inf where there is none. Of steps of CHARTED alone and with one noise, so rougher than
+    `advise`.
     """
     free = free_gain(scenario)
     daq, own = scenario.loop.daq_period, scenario.loop.sample_period

@@ -16,13 +16,13 @@ import numpy as np
 from controller.stability.amplitude.drive import Drive, DriveState
 from controller.stability.amplitude.linear_law import LinearLaw
 from controller.stability.amplitude.run import Card, Course, Decide, run_asking, run_linear
-from controller.stability.amplitude.swing import Swing, last_third
+from controller.stability.amplitude.swing import LARGEST, Swing, last_third
 
 SECONDS, PERIODS, DELAYS = 20.0, 200.0, 10.0  # of a run, the longest of them
 LONGEST, LEAST = 400.0, 20.0  # but at most so many seconds, or so many periods
 SLOWEST = 20.0  # [s], a sampling period
-BACK = 0.3  # of the first noise's edge, where the others start: theirs may be much lower
-SEEDS = tuple(range(1, 13))  # of the card's noise, whose edges span an interval
+BACK = 0.5  # of the first noise's edge, where the others start: theirs may be much lower
+SEEDS = tuple(range(1, 9))  # of the card's noise, whose edges span an interval
 SPREAD = 1.3  # standard deviations of an edge on both sides of the mean
 WIDER = 1.05  # beyond that, for what the reduction leaves out
 TOLERANT = 1  # noises without an edge that do not count
@@ -91,29 +91,40 @@ def swing(loop: Loop, gain: float, size: float, seed: int = SEEDS[0]) -> Swing:
     return last_third(*run_asking(loop.drive, loop.start, law, size, loop.when, loop.card, seed))
 
 
-def edge(loop: Loop, size: float, seed: int, first: float, scan: Scan = SCAN) -> Edge:
-    """The smallest gain that swings with one noise, searched upwards from a gain `first` or from what settles below."""
-    return smallest_swinging(lambda gain: swing(loop, gain, size, seed), first, scan)
+def edge(loop: Loop, size: float, seed: int, first: float, scan: Scan = SCAN, largest: float = LARGEST) -> Edge:
+    """The smallest gain that swings with one noise, searched upwards from a gain `first` or from what settles below.
+
+    largest: peak to peak [m] up to which a run counts as settled.
+    """
+    return smallest_swinging(lambda gain: swing(loop, gain, size, seed), first, scan, largest)
 
 
-def smallest_swinging(swing_at: Callable[[float], Swing], first: float, scan: Scan) -> Edge:
+def smallest_swinging(swing_at: Callable[[float], Swing], first: float, scan: Scan, largest: float = LARGEST) -> Edge:
     """The edge of what `swing_at` does at a gain: down from `first` until it settles, up until it swings, bisected."""
     low, high, found = 0.0, first, swing_at(first)
-    while found.counts and high > first / scan.down:
+    while found.peak_to_peak > largest and high > first / scan.down:
         high *= scan.back
         found = swing_at(high)
-    if found.counts:
+    if found.peak_to_peak > largest:
         return Edge(0.0, high, found.frequency, found.peak_to_peak)
-    while not found.counts:
+    while found.peak_to_peak <= largest:
         low, high = high, high * scan.ratio
         if high > first * scan.up:
             return Edge(low, math.inf, 0.0, 0.0)
         found = swing_at(high)
-    while high > low * scan.tolerance:
-        middle = math.sqrt(low * high)
+    return _bisected(swing_at, Edge(low, high, found.frequency, found.peak_to_peak), scan.tolerance, largest)
+
+
+def _bisected(swing_at: Callable[[float], Swing], found: Edge, tolerance: float, largest: float) -> Edge:
+    """An edge with its gains nearer to each other."""
+    while found.swings > found.settles * tolerance:
+        middle = math.sqrt(found.settles * found.swings)
         between = swing_at(middle)
-        low, high, found = (low, middle, between) if between.counts else (middle, high, found)
-    return Edge(low, high, found.frequency, found.peak_to_peak)
+        if between.peak_to_peak > largest:
+            found = Edge(found.settles, middle, between.frequency, between.peak_to_peak)
+        else:
+            found = found._replace(settles=middle)
+    return found
 
 
 def interval(loop: Loop, size: float, first: float, seeds: Sequence[int] = SEEDS, each: Map = map) -> Interval:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LARGEST = 3e-4  # [m], peak to peak: what does not count as swinging
+WIDE = 1e-3  # [m], peak to peak, assumed: more than the hunting of a piston that sticks and slips
 PERIODS = 2.5  # that a swing must fit into the last third; slower ones are creep and jumps
 Array = NDArray[np.float64]
 
