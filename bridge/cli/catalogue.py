@@ -41,6 +41,11 @@ VERBS = {
         "stability:map_stability",
         "Draw a chart of stability over two numbers of the loop: OUTPUT.png, .csv, .html, and the runs' own .csv.",
     ),
+    "dimensionless": Verb(
+        LOOK,
+        "dimensionless:dimensionless",
+        "Convert a scenario's drive and controller to the thesis's alpha, gamma, k, tau, s and d, and back (--at).",
+    ),
     "view": Verb(
         LOOK,
         "looking:view",

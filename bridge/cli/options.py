@@ -48,6 +48,10 @@ CHANGES = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value of the scenario: controller.gain=0.4. Repeatable."),
 ]
+MARK = Annotated[
+    str | None,
+    typer.Option("--mark", metavar="SCENARIO", help="Mark a scenario's rig on a dimensionless chart of stability."),
+]
 AS_JSON = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.")]
 CONFIG = Annotated[

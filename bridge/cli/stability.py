@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bridge.cli.options import AS_JSON, CHANGES, SCENARIO, SCHEDULER, WORKERS
+from bridge.cli.options import AS_JSON, CHANGES, MARK, SCENARIO, SCHEDULER, WORKERS
 from bridge.cli.outputs import print_json
 from bridge.errors import UsageError
 
@@ -251,6 +251,7 @@ def map_stability(
     simulate: SIMULATE = False,
     derivative: DERIVATIVE = "measured",
     filter_time: FILTER_TIME = None,
+    mark: MARK = None,
     workers: WORKERS = 0,
     scheduler: SCHEDULER = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="Name of the files, without ending.")] = Path("map"),
@@ -279,6 +280,7 @@ def map_stability(
             simulate,
             derivative,
             filter_time,
+            mark,
         )
         paths = make(wanted, output, workers, scheduler)
     except ValueError as error:

@@ -76,6 +76,9 @@ _ALL = (
     Figure("5.21", "Critical gain over the sampling interval, found on the twin", "stability.edges.draw_measured"),
     Figure("areas", "Area of figures 5.8 to 5.19 by number of stable multipliers", "stability.charts.draw_areas"),
     Figure("causes", "Why the twin and its linear theory disagree, by cause", "stability.causes.draw_causes"),
+    Figure(
+        "relay", "The relay's cycle on the rig, predicted and found on the twin", "stability.relay_loop.draw_relay_loop"
+    ),
     Figure("line-response", "Impedance of a line: exact, and of each scheme", "lines.response.draw"),
     Figure("circuit", "The circuit, from the rig's own numbers", "circuit.rig.draw_circuit"),
     Figure("lyapunov", "First Lyapunov coefficient of both seats", "valve.chatter.draw_lyapunov"),
@@ -89,18 +92,28 @@ _ALL = (
 )
 
 
-LONG = ("5.21", "causes")  # a minute on two cores: hundreds of runs of the twin
+LONG = ("5.21", "causes", "relay")  # a minute on two cores: hundreds of runs of the twin
 
 
+MARKABLE = ("5.7", *CHARTS)
 FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 
 
-def draw_figure(name: str, directory: str | Path) -> tuple[Path, Path]:
-    """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. UsageError: no such figure."""
+def draw_figure(name: str, directory: str | Path, mark: str | None = None) -> tuple[Path, Path]:
+    """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. UsageError: no such figure.
+
+    mark: a scenario whose rig is marked on a stability chart.
+    """
     if name not in FIGURES:
         raise UsageError(f"no figure {name!r}{nearest(name, FIGURES)}")
     from bridge.drawing.files import save
 
+    if mark is not None and name not in MARKABLE:
+        raise UsageError(f"--mark {mark}: figure {name} is not a dimensionless chart; those are {', '.join(MARKABLE)}")
     columns, sheet = FIGURES[name].draw()
+    if mark is not None:
+        from bridge.figures.stability.charts import add_mark
+
+        add_mark(sheet, name, mark)
     picture, table = save(name, columns, sheet, Path(directory))
     return picture, table

@@ -6,6 +6,7 @@ rising damping k, 5.14 to 5.19 have k = 0 and rising derivative gain d; each cel
 multipliers are stable. `areas` is how much of each chart has 0, 1, 2 and 3.
 """
 
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,10 @@ from bridge.drawing.canvas import (
     sheet,
 )
 from bridge.figures.stability.damped import CHARTS, Damped
-from bridge.studies.stability.chart_drawing import COLOURS, GOOD
+from bridge.scenario import load
+from bridge.studies.stability.chart_drawing import COLOURS, GOOD, WIDE
+from bridge.studies.stability.equivalent import scaled
+from bridge.studies.stability.mark import draw_mark, mark_words
 from controller.stability import Timing, linear_actuator, sampled_loop
 from controller.stability.actuator.analogue import analogue_edge
 from controller.stability.chart import Counts, stable_multipliers
@@ -119,6 +123,17 @@ def draw_curves() -> tuple[Columns, Sheet]:
         columns[f"{name} s [-]"] = np.nan_to_num(curve)
         columns[f"{name} bounds stability [0 or 1]"] = edges(tau, curve, CURVES).astype(float)
     return columns, page
+
+
+def add_mark(page: Sheet, number: str, name: str) -> None:
+    """Mark the rig of a scenario on a chart that is drawn."""
+    marked, of, (axes, *_) = scaled(load(name)), CHARTS.get(number, CURVES), page.axes
+    numbers = {"gamma": GAMMA, "delay": 0.0, "derivative": of.d, "damping": of.k}
+    words = mark_words(marked, "period", "gain", ((0.0, LONGEST), (0.0, HIGHEST)), numbers)
+    legend = axes.get_legend()
+    keys = [*legend.legend_handles, draw_mark(axes, marked, "period", "gain")] if legend else []
+    _finish(axes, keys)
+    remark(page, f"{page.get_supxlabel()}\n{fill(words, WIDE)}.")
 
 
 def _draw_curves(axes: Any, of: Damped) -> list[Any]:

@@ -29,6 +29,7 @@ RANGES = {
     "damping": (0.0, 2.0),
 }
 UNITS = {"gain": "V/%", "derivative": "V s/%", "period": "ms", "delay": "ms", "damping": "N s/m"}
+UNITS |= {"mass": "kg", "position": "mm", "opening": "%", "filter time": "ms"}
 SYMBOLS = {"gain": "s", "derivative": "d", "period": "tau", "delay": "delay/tau", "damping": "k"}
 
 Array = NDArray[np.float64]
@@ -47,6 +48,8 @@ class Chart(NamedTuple):
     angle: Array  # [rad] of that one; pi is half the sampling frequency
     labels: tuple[str, str]
     about: str  # what the chart is of
+    fixed: dict[str, float]  # the numbers that are not on an axis, by their label
+    numbers: dict[str, float]  # the same by their name
 
 
 class Family:
@@ -64,8 +67,12 @@ class Family:
         raise NotImplementedError
 
     def label(self, axis: str) -> str:
-        """An axis with its symbol or unit."""
+        """A number with its symbol or unit."""
         raise NotImplementedError
+
+    def fixed(self) -> dict[str, float]:
+        """All numbers that decide a loop of the family, by their name."""
+        return self.numbers
 
     def si(self, axis: str, value: Array) -> Array:
         """Gains as the loop takes them."""
@@ -87,7 +94,11 @@ class Plainly(Family):
         return [np.ceil(at["delay"])]
 
     def label(self, axis: str) -> str:
-        return f"{axis} {SYMBOLS[axis]}"
+        return f"{axis} {SYMBOLS[axis]}" if axis in SYMBOLS else axis
+
+    def fixed(self) -> dict[str, float]:
+        lag = {"filter time/tau": self.filter_time} if self.derivative == "filtered" else {}
+        return {name: value for name, value in self.numbers.items() if name in PLAIN} | lag
 
 
 class OfRig(Family):
@@ -117,6 +128,12 @@ class OfRig(Family):
     def label(self, axis: str) -> str:
         return f"{axis} [{UNITS[axis]}]"
 
+    def fixed(self) -> dict[str, float]:
+        rig = self.scenario.rig
+        lag = {"filter time": 1e3 * self.timing.filter_time} if self.timing.derivative == "filtered" else {}
+        own = {"mass": rig.load.mass, "position": 1e3 * self.scenario.start.position}
+        return self.numbers | own | {"opening": 1e2 * self.about_point.opening} | lag
+
     def si(self, axis: str, value: Array) -> Array:
         return value * per_metre(1.0, self.scenario.rig.cylinder.stroke, self.scenario.rig.valve.full_scale)
 
@@ -138,7 +155,9 @@ def chart(family: Family, across: str, up: str, x: Array, y: Array) -> Chart:
             outside[rows, column] = mu.shape[-1] - inside(mu).sum(axis=-1)
             excess[rows, column], angle[rows, column] = np.abs(worst) - 1.0, np.abs(np.angle(worst))
     labels = family.label(across), family.label(up)
-    return Chart(across, up, x, y, outside, total, excess, angle, labels, family.about)
+    numbers = {name: value for name, value in family.fixed().items() if name not in (across, up)}
+    fixed = {family.label(name): value for name, value in numbers.items()}
+    return Chart(across, up, x, y, outside, total, excess, angle, labels, family.about, fixed, numbers)
 
 
 def _column(family: Family, at: Mapping[str, float], up: str, y: Array) -> Iterator[tuple[Any, NDArray[np.complex128]]]:

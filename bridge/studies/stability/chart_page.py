@@ -12,7 +12,7 @@ h1 { font-size: 1.25rem } canvas { width: 100%; display: block; cursor: crosshai
 </style></head>
 <body><h1>@TITLE@</h1><div id="keys" class="soft"></div><canvas id="chart" width="1400" height="840"></canvas>
 <p id="readout">Move over the chart to read it.</p>
-<p class="soft">Colours: linear theory, multipliers counted. @RUNS@</p>
+<p class="soft">Colours: linear theory, multipliers counted. @FIXED@ @RUNS@</p>
 <script>
 const d = @DATA@;
 const c = document.getElementById("chart"), g = c.getContext("2d"), out = document.getElementById("readout");
@@ -57,11 +57,14 @@ c.addEventListener("mousemove", event => {
   const X = (event.clientX - box.left) * k, Y = (event.clientY - box.top) * k;
   if (X < L || X > L + W || Y < T || Y > T + H) return;
   const i = near(d.x, x0 + (X - L) / W * (x1 - x0)), j = near(d.y, y0 + (T + H - Y) / H * (y1 - y0));
-  const n = d.outside[j][i], angle = d.angle[j][i];
+  const n = d.outside[j][i], angle = d.peak ? 0 : d.angle[j][i];
   const how = angle > Math.PI - 1e-4 ? "a flip, at half the sampling frequency" : angle < 1e-4 ? "no swing" :
     `a swing at ${(angle / Math.PI).toPrecision(4)} of half the sampling frequency`;
-  const all = d.total[j][i], at = [d.x[i], d.y[j]].map((v, k) => `${d.labels[k]} ${v.toPrecision(4)}`).join(", ");
-  let words = `${at}: ${all - n} of ${all} multipliers stable; the largest is ${d.size[j][i].toPrecision(6)}, ${how}.`;
+  const all = d.peak ? 0 : d.total[j][i];
+  const at = [d.x[i], d.y[j]].map((v, k) => `${d.labels[k]} ${v.toPrecision(4)}`).join(", ");
+  const often = d.peak && d.often[j][i] ? `at ${d.often[j][i].toPrecision(3)} Hz` : "irregularly";
+  let words = d.peak ? `${at}: swings by ${d.peak[j][i].toPrecision(3)} mm, peak to peak, ${often}.` :
+    `${at}: ${all - n} of ${all} multipliers stable; the largest is ${d.size[j][i].toPrecision(6)}, ${how}.`;
   for (const r of d.runs) if (Math.hypot(px(r[0]) - X, py(r[1]) - Y) < 12)
     words += ` Run: ${r[3]}.`;
   out.textContent = words; draw([px(d.x[i]), py(d.y[j])]);

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.errors import nearest
-from bridge.scenario import load
+from bridge.scenario import Scenario, load
 from bridge.scenario.units import interval
 from bridge.studies.stability.actuator_runs import OWN, actuator_runs
 from bridge.studies.stability.chart import (
@@ -19,6 +19,17 @@ from bridge.studies.stability.chart import (
     chart,
 )
 from bridge.studies.stability.chart_drawing import NOTHING, write
+from bridge.studies.stability.equivalent import scaled
+from bridge.studies.stability.relay_drawing import write_relay
+from bridge.studies.stability.relay_map import LEAST as SHORTEST
+from bridge.studies.stability.relay_map import (
+    MOST_CELLS,
+    WIDEST,
+    own_numbers,
+    refuse_axes,
+    relay_chart,
+    relay_runs,
+)
 from bridge.studies.stability.twin_runs import twin_runs
 from bridge.studies.sweep.engine import Crew
 
@@ -43,6 +54,7 @@ class Wanted(NamedTuple):
     simulate: bool  # run the dimensionless actuator
     derivative: str  # of the dimensionless controller
     filter_time: float | None  # [sampling periods], of "filtered"
+    mark: str | None = None  # a scenario whose numbers are marked
 
 
 def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> list[Path]:
@@ -55,8 +67,12 @@ def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> l
             "--simulate and --derivative are of the dimensionless actuator; with --rig runs are of the twin, and its "
             "controller is set by --set controller.velocity"
         )
+    if scenario is not None and wanted.mark:
+        raise ValueError("--mark puts a rig on the dimensionless chart; without --rig")
     if (wanted.derivative == "filtered") != (wanted.filter_time is not None):
         raise ValueError("--derivative filtered and --filter-time, in sampling periods, go together")
+    if scenario is not None and scenario.controller.kind == "relay":
+        return _relay(wanted, scenario, output, Crew(workers, scheduler))
     plain = Plainly({}, wanted.derivative, wanted.filter_time or 0.0)
     family: Family = plain if scenario is None else OfRig(scenario, wanted.about)
     given = numbers(wanted.fixed, [*family.numbers, *(OWN if wanted.simulate else ())])
@@ -70,7 +86,35 @@ def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> l
         overlay = twin_runs(scenario, wanted.across, wanted.up, places, part, crew)
     elif wanted.simulate and places:
         overlay = actuator_runs(plain, wanted.across, wanted.up, places, part, crew)
-    return write(drawn, overlay, output)
+    marked = None if wanted.mark is None else scaled(load(wanted.mark))
+    return write(drawn, overlay, output, marked)
+
+
+def _relay(wanted: Wanted, scenario: Scenario, output: Path, crew: Crew) -> list[Path]:
+    """The chart of a relay's loop, which has no gain and no linear point."""
+    refuse_axes(wanted.across, wanted.up)
+    if wanted.about:
+        raise ValueError(f"--about {wanted.about}: a relay's loop has no linear point; leave it out")
+    own = own_numbers(scenario)
+    own |= numbers(wanted.fixed, [*own])
+    cells = min(wanted.cells, MOST_CELLS)
+    axes = ((wanted.across, wanted.x), (wanted.up, wanted.y))
+    x, y = (_times(axis, text, max(WIDEST[axis], 2.0 * own[axis]), cells) for axis, text in axes)
+    drawn = relay_chart(scenario, wanted.across, wanted.up, x, y, own)
+    places = [(a, b) for a in inner(x, wanted.runs) for b in inner(y, wanted.runs)]
+    part, overlay = output.with_name(f"{output.name}.part"), NOTHING
+    if places:
+        overlay = relay_runs(scenario, wanted.across, wanted.up, places, own, part, crew)
+    return write_relay(drawn, overlay, output)
+
+
+def _times(axis: str, text: str | None, top: float, cells: int) -> NDArray[np.float64]:
+    """Values [ms] along an axis of a relay's chart."""
+    least = SHORTEST if axis == "period" else 0.0
+    ends = (least, top) if text is None else interval(f"range of {axis}", text, above=axis == "period")
+    if not least <= ends[0] < ends[1]:
+        raise ValueError(f"range {ends[0]:g} to {ends[1]:g} ms of {axis}: it must rise, and start at {least:g} or more")
+    return np.linspace(*ends, cells)
 
 
 def numbers(fixed: tuple[str, ...], known: list[str]) -> dict[str, float]:
