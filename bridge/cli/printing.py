@@ -17,6 +17,12 @@ if TYPE_CHECKING:
     from bridge.runs.run import Outcome
 
 
+LEFT_TO_ADVISE = {  # what takes longer than a summary should
+    "python": "hydrotwin advise runs a law of your own and says after which motions it settles",
+    "relay": "hydrotwin advise predicts the cycle of a relay after each motion",
+}
+
+
 def print_summary(outcome: "Outcome") -> None:
     """The summary of a run."""
     summary = outcome.summary
@@ -52,7 +58,8 @@ def _timing_rows(summary: "Summary") -> list[list[str]]:
 def _stability(outcome: "Outcome") -> list[str]:
     """Where the run stands among the stable gains."""
     if outcome.stability is None:
-        return []
+        words = LEFT_TO_ADVISE.get(outcome.scenario.controller.kind) if outcome.compared else None
+        return [f"{'gain':11}{words}"] if words else []
     from bridge.studies.stability.operating import sentences
 
     return [f"{word:11}{line}" for word, line in zip(("gain", ""), sentences(outcome.stability), strict=True)]

@@ -12,7 +12,7 @@ from bridge.errors import UsageError
 if TYPE_CHECKING:
     from bridge.scenario import Scenario
     from bridge.studies.stability.advice import Advice, CycleAdvice, GainInUnits, PointAdvice, RowAdvice, StepAdvice
-    from bridge.studies.stability.verified import Verified
+    from bridge.studies.stability.verified import Verified, VerifiedCycle
 
 PAIR = "LOW:HIGH"
 STEP = Annotated[
@@ -62,7 +62,7 @@ def advise(
     if as_json and not verify:
         print_json(found.plain())
     elif not isinstance(found, Advice):
-        _print_cycles(found)
+        _cycles(checked, found, verify, as_json)
     elif as_json:
         from bridge.studies.stability.verified import verified
 
@@ -176,21 +176,45 @@ def _picture_row(row: "RowAdvice", found: "Advice") -> tuple[str, ...]:
     return f"{row.gain.volts:.3g}{mark}", "#" * width, f"{peak:.2g} mm", often, swings
 
 
-def _print_cycles(found: "CycleAdvice") -> None:
+def _cycles(scenario: "Scenario", found: "CycleAdvice", verify: bool, as_json: bool) -> None:
+    """A relay's cycles, with the twin's beside them if it is to run."""
+    from bridge.studies.stability.verified import verified_cycles
+
+    runs = list(verified_cycles(scenario, found.cycles)) if verify else []
+    if as_json:
+        print_json(found.plain() | {"verified": [run.plain() for run in runs]})
+    else:
+        _print_cycles(found, runs)
+
+
+def _print_cycles(found: "CycleAdvice", runs: "list[VerifiedCycle]") -> None:
     from bridge.cli.tables import print_table
 
     timing = found.timing
     print(
         f"{found.scenario}: relay, sampled every {timing.period * 1e3:g} ms, delay {timing.delay * 1e3:g} ms; "
-        f"it {found.verdict.words}.\n"
+        f"it {found.verdict.words}."
     )
-    rows = [
-        (f"{size * 1e3:+g} mm", f"{peak * 1e3:.3g} mm", f"{often:.3g} Hz" if often else "irregular")
-        for size, peak, often in found.cycles
-    ]
-    print_table(("after a step of", "peak to peak", "at"), rows)
+    print(
+        f"Derivative time {found.derivative_time * 1e3:.3g} ms; (5.22) asks for {found.critical_lead * 1e3:.3g} ms, "
+        f"with hold and delay {found.needed_lead * 1e3:.3g} ms.\n"
+    )
+    rows = [(f"{size * 1e3:+g} mm", *_cycle(peak, often)) for size, peak, often in found.cycles]
+    if not runs:
+        print_table(("after a step of", "peak to peak", "at"), rows)
+    else:
+        twin = [
+            (*_cycle(run.found.peak_to_peak, run.found.frequency), "agrees" if run.agrees else "DISAGREES")
+            for run in runs
+        ]
+        heads = ("after a step of", "peak to peak", "at", "twin", "at", "")
+        print_table(heads, [(*row, *more) for row, more in zip(rows, twin, strict=True)])
     for note in found.notes:
         print(note)
+
+
+def _cycle(peak: float, often: float) -> tuple[str, str]:
+    return f"{peak * 1e3:.3g} mm", f"{often:.3g} Hz" if often else "irregular"
 
 
 def _print_verified(scenario: "Scenario", found: "Advice") -> None:

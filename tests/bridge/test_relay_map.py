@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 from bridge.cli.verbs import app
 from bridge.drawing import canvas
 from bridge.scenario import load
-from bridge.studies.stability.relay_swing import Place, critical_lead, found_on_twin, needed_lead, predicted
+from bridge.studies.stability.relay_lead import critical_lead, needed_lead
+from bridge.studies.stability.relay_swing import Place, found_on_twin, predicted
 from bridge.studies.sweep.engine import HERE
 
 VALVES = {"proportional": ["rig.valve.kind=proportional"], "switching": []}

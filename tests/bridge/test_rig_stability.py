@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import lfilter
 from typer.testing import CliRunner
 
+from bridge.cli.printing import print_summary
 from bridge.cli.verbs import app
 from bridge.errors import RunError
 from bridge.loop.law import law_of
@@ -34,13 +35,13 @@ from bridge.studies.stability.rig_plant import plants
 from bridge.studies.stability.sampled_law import free_gain
 from bridge.studies.stability.trial import stand, trial
 from bridge.studies.stability.twin_edge import stepped, twin_swing
-from bridge.studies.stability.verified import compared
+from bridge.studies.stability.verified import VerifiedCycle, compared
 from bridge.wire.messages import Mode
 from controller.law import Sample
 from controller.reference import Target
 from controller.stability import suggested_gain
 from controller.stability.amplitude.edges import interval, swing
-from controller.stability.amplitude.swing import last_third
+from controller.stability.amplitude.swing import Swing, last_third
 
 SQRT2 = math.sqrt(2.0)
 
@@ -190,6 +191,41 @@ def test_a_relay_has_a_cycle_and_no_gain():
     assert size == 20e-3
     assert peak == pytest.approx(twin.peak_to_peak, rel=0.25)
     assert frequency == pytest.approx(twin.frequency, rel=0.1)
+
+
+LATE = ("--set", "loop.delay=10ms", "--set", "controller.derivative_time=0")  # where both valves have a frequency
+
+
+@pytest.mark.parametrize("valve", ["proportional", "switching"])
+def test_advice_on_a_relay_is_checked_against_runs_of_the_twin(valve):
+    words = ["advise", "relay", "--set", f"rig.valve.kind={valve}", *LATE, "--step", "20mm"]
+    found = json.loads(CliRunner().invoke(app, [*words, "--verify", "--json"]).stdout)
+    assert found["verdict"] == "unstable"
+    assert found["needed_lead"] - found["critical_lead"] == pytest.approx(0.01 + 0.5 * 0.005)
+    assert [run["agrees"] for run in found["verified"]] == [True, True]
+    assert [run["peak_to_peak"] for run in found["verified"]] == [cycle["peak_to_peak"] for cycle in found["cycles"]]
+    table = CliRunner().invoke(app, [*words, "--verify"]).stdout
+    assert table.count("agrees") == 2
+
+
+def test_a_cycle_that_is_not_the_twins_disagrees():
+    run = VerifiedCycle(20e-3, 10e-3, 10.0, Swing(12e-3, 11.0))
+    assert run.agrees
+    assert not run._replace(peak_to_peak=20e-3).agrees
+    assert not run._replace(frequency=14.0).agrees
+    assert run._replace(frequency=0.0).agrees
+
+
+@pytest.mark.parametrize("kind", ["python", "relay"])
+def test_a_summary_says_where_advice_on_its_law_is(kind, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text("def law(sample, target, memory, gains):\n    return 0.0, None\n")
+    law = (
+        ["controller.law=mine.py:law", "controller.kind=python"] if kind == "python" else ["controller={kind='relay'}"]
+    )
+    outcome = shown(run_scenario(load("step", ["duration=0.3", *law]), RunOptions(Mode.INPROCESS, tmp_path / "a.mcap")))
+    print_summary(outcome)
+    assert "hydrotwin advise" in capsys.readouterr().out
 
 
 def test_a_delay_without_its_unit_is_answered_and_named():

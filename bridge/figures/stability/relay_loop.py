@@ -15,7 +15,8 @@ import numpy as np
 from bridge.drawing.canvas import Array, Columns, Sheet, label, remark, tiles
 from bridge.scenario import Scenario, load
 from bridge.studies.stability.amplitude import threaded
-from bridge.studies.stability.relay_swing import Place, critical_lead, found_on_twin, predicted
+from bridge.studies.stability.relay_lead import critical_lead
+from bridge.studies.stability.relay_swing import Place, found_on_twin, predicted
 from bridge.studies.sweep.engine import ALL_CORES, Crew
 from controller.stability.amplitude.swing import Swing
 

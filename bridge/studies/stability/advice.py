@@ -22,6 +22,7 @@ from bridge.studies.stability.amplitude import (
     swing_range,
     wide_gain_later,
 )
+from bridge.studies.stability.relay_lead import critical_lead, needed_lead, relay_of
 from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins_of, named, timing_of
 from bridge.studies.stability.rig_plant import RigPlant, plants
 from bridge.studies.stability.sampled_law import FreeGain, free_gain
@@ -183,13 +184,18 @@ class CycleAdvice(NamedTuple):
     timing: RigTiming
     verdict: Stability
     cycles: tuple[tuple[float, float, float], ...]  # step [m], peak to peak [m], frequency [Hz]
+    derivative_time: float  # T_d [s], the scenario's
+    critical_lead: float  # T_d [s] of (5.22), below which it swings without sampling, too
+    needed_lead: float  # the same with hold and delay
     notes: tuple[str, ...]
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""
         keys = ("step", "peak_to_peak", "frequency")
         found = [dict(zip(keys, cycle, strict=True)) for cycle in self.cycles]
-        return {"scenario": self.scenario, **self.timing._asdict(), "verdict": self.verdict, "cycles": found}
+        leads = {name: getattr(self, name) for name in ("derivative_time", "critical_lead", "needed_lead")}
+        whole = {"scenario": self.scenario, **self.timing._asdict(), "verdict": self.verdict, "cycles": found}
+        return whole | leads | {"notes": list(self.notes)}
 
 
 def refuse_linear(scenario: Scenario) -> None:
@@ -269,7 +275,9 @@ def _advise_relay(scenario: Scenario, sizes: Sequence[float]) -> CycleAdvice:
     swinging = [swing.counts for _, swing in found]
     stability = Stability.UNSTABLE if all(swinging) else Stability.BETWEEN if any(swinging) else Stability.STABLE
     rows = tuple((size, swing.peak_to_peak, swing.frequency) for size, swing in found)
-    return CycleAdvice(scenario.name, timing_of(scenario), stability, rows, tuple(timing_notes(scenario)))
+    timing, own = timing_of(scenario), relay_of(scenario).derivative_time
+    leads = own, critical_lead(scenario), needed_lead(scenario, timing.period, timing.delay)
+    return CycleAdvice(scenario.name, timing, stability, rows, *leads, tuple(timing_notes(scenario)))
 
 
 def _linear(scenario: Scenario) -> tuple[dict[str, PointAdvice], list[str]]:

@@ -11,10 +11,10 @@ from bridge.errors import UsageError
 from bridge.scenario import Scenario
 from bridge.studies.stability.amplitude import threaded
 from bridge.studies.stability.chart_drawing import ChartRun, Overlay
+from bridge.studies.stability.relay_lead import needed_lead
 from bridge.studies.stability.relay_swing import (
     Place,
     found_on_twin,
-    needed_lead,
     on_grid,
     own_place,
     predicted,

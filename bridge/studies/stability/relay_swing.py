@@ -1,9 +1,7 @@
 """How a relay's loop on a rig swings, over its sampling period, delay and derivative time.
 
 Predicted by the reduced drive (`controller.stability.amplitude`), found on the twin; both after one small step, by the
-last third of a run. The edge of (5.22) knows no sampling: to first order a dead time takes from the lead of the
-switching line what it lasts, so a loop that samples needs T_d = T_d of (5.22) + delay + half a period. Below it the
-swing grows the more lead is missing; above, it is the travel during the dead time. The lag of the valve is in neither.
+last third of a run.
 """
 
 import math
@@ -12,19 +10,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.errors import ScenarioError
 from bridge.scenario import Scenario, changed
-from bridge.scenario.controllers import Relay
-from bridge.scenario.gains import law_gains
 from bridge.studies.stability.amplitude import loop_of
-from bridge.studies.stability.equivalent import drive_of
 from bridge.studies.stability.probe import stand_of
+from bridge.studies.stability.relay_lead import relay_of
 from bridge.studies.stability.trial import trial
 from bridge.studies.stability.twin_edge import AT, stepped
 from bridge.studies.sweep.engine import Crew, sweep
 from bridge.studies.sweep.journal import Point
-from controller.law import RelayGains
-from controller.stability.actuator.relay import critical_derivative_time
 from controller.stability.amplitude.edges import swing
 from controller.stability.amplitude.linear_law import relay_law
 from controller.stability.amplitude.run import Course
@@ -41,14 +34,6 @@ class Place(NamedTuple):
     period: float
     delay: float
     derivative: float  # T_d
-
-
-def relay_of(scenario: Scenario) -> RelayGains:
-    """The scenario's law. Raises ScenarioError for another kind."""
-    if not isinstance(scenario.controller, Relay):
-        raise ScenarioError(f"controller.kind {scenario.controller.kind!r}; set controller.kind = 'relay'")
-    found: Any = law_gains(scenario)
-    return found
 
 
 def own_place(scenario: Scenario) -> Place:
@@ -105,13 +90,3 @@ def swing_of(point: Point, base: Mapping[str, Any]) -> dict[str, Any]:
     lasts = tick * math.ceil(round((_begin(place) + length(place)) / tick, 6))
     trace = trial(asked.model_copy(update={"duration": lasts}), stand_of(scenario))
     return last_third(trace.time, trace.position)._asdict()
-
-
-def critical_lead(scenario: Scenario) -> float:
-    """T_d [s] of (5.22) on the scenario's rig, without hold, delay and the valve's lag."""
-    return critical_derivative_time(drive_of(scenario))
-
-
-def needed_lead(scenario: Scenario, period: float, delay: float) -> float:
-    """T_d [s] of (5.22) and what hold and delay take from it."""
-    return critical_lead(scenario) + delay + 0.5 * period

@@ -1,16 +1,20 @@
 """Does the twin agree with the theory of the amplitude? Its own edge after each step, searched in the interval."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from bridge.scenario import Scenario
 from bridge.studies.stability.advice import StepAdvice
+from bridge.studies.stability.probe import stand_of
 from bridge.studies.stability.sampled_law import free_gain
-from bridge.studies.stability.twin_edge import SCAN, step_edge
+from bridge.studies.stability.trial import trial
+from bridge.studies.stability.twin_edge import SCAN, step_edge, stepped
 from controller.stability.amplitude.edges import Edge
+from controller.stability.amplitude.swing import Swing, last_third
 
 BEYOND = 1.1  # times the upper end, how far is searched
+SIZE_RATIO, FREQUENCY_RATIO = 1.3, 1.2  # of a cycle, predicted and found
 OPEN = 4.0  # times the lower end, where there is no upper one
 
 
@@ -51,3 +55,34 @@ def compared(scenario: Scenario, size: float, low: float, high: float) -> Verifi
     found = step_edge(scenario, size, low * unit, SCAN._replace(up=furthest))
     in_unit = found._replace(settles=found.settles / unit, swings=found.swings / unit)
     return Verified(size, low, high, in_unit)
+
+
+class VerifiedCycle(NamedTuple):
+    """The twin under a law without a gain, beside what was predicted for one step."""
+
+    size: float  # of the step [m]
+    peak_to_peak: float  # predicted [m]
+    frequency: float  # predicted [Hz]; 0.0: irregular
+    found: Swing  # of the twin
+
+    @property
+    def agrees(self) -> bool:
+        """Peak to peak within SIZE_RATIO, and the frequency within FREQUENCY_RATIO where both have one."""
+        often = self.frequency and self.found.frequency
+        near = not often or _within(self.frequency, self.found.frequency, FREQUENCY_RATIO)
+        return near and _within(self.peak_to_peak, self.found.peak_to_peak, SIZE_RATIO)
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return self._asdict() | {"found": self.found._asdict(), "agrees": self.agrees}
+
+
+def verified_cycles(scenario: Scenario, cycles: Sequence[tuple[float, float, float]]) -> Iterator[VerifiedCycle]:
+    """The twin after each step, one after another."""
+    for size, peak, often in cycles:
+        trace = trial(stepped(scenario, size), stand_of(scenario))
+        yield VerifiedCycle(size, peak, often, last_third(trace.time, trace.position))
+
+
+def _within(one: float, other: float, ratio: float) -> bool:
+    return max(one, other) <= ratio * min(one, other)
