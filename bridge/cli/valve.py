@@ -50,6 +50,7 @@ def seat(
     kind: SEAT = "conical",
     lift: Annotated[str, typer.Option(help="Lift of the poppet.")] = "0.1 mm",
     drop: Annotated[str, typer.Option(help="Pressure drop.")] = "10 bar",
+    speed: Annotated[str, typer.Option(help="Axial speed of the conical poppet; above 0 opens.")] = "0 m/s",
     scenario: SCENARIO = "step",
     changes: CHANGES = None,
     output: OUTPUT = Path(),
@@ -63,7 +64,7 @@ def seat(
     def answer() -> tuple[dict[str, Any], Any]:
         law_of(kind)
         rig, x, dp = _rig(scenario, changes), option("lift", lift, "m"), option("drop", drop, "Pa")
-        return facts(kind, x, dp, rig), draw(kind, x, dp, rig)
+        return facts(kind, x, dp, rig, option("speed", speed, "m/s")), draw(kind, x, dp, rig)
 
     found, drawn = _asked(answer)
     _tell(found, rows(found), _save(f"valve-seat-{kind}", drawn, output), as_json)

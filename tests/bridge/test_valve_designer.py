@@ -161,6 +161,10 @@ def test_the_verbs_answer_with_numbers_a_picture_and_a_table(tmp_path: Path):
     seat = asked(tmp_path, "seat", "conical", "--lift", "0.1mm", "--drop", "10bar")
     assert seat["film_damping"] == pytest.approx(67.85, rel=1e-3)
     assert seat["warnings"] == []
+    moving = asked(tmp_path, "seat", "conical", "--lift", "0.1mm", "--drop", "10bar", "--speed", "0.5 m/s")
+    assert moving["cylinder_force"] < seat["cylinder_force"] < seat["cylinder_force_middle"]
+    assert moving["shear_force"] == pytest.approx(moving["shear_force_by_pressure"] + moving["shear_force_by_speed"])
+    assert moving["channel_force_by_speed"] == pytest.approx(moving["shear_force_by_speed"], rel=0.04)
     assert asked(tmp_path, "seat", "chamfered", "--lift", "10um", "--drop", "10bar")["warnings"]
     sings = asked(tmp_path, "chatter", "chamfered", "--flow", "0.3l/min", "--precompression", "0.23mm")
     assert sings["sings"]
@@ -181,6 +185,7 @@ def test_the_verbs_answer_with_numbers_a_picture_and_a_table(tmp_path: Path):
     [
         (("seat", "round"), "no seat 'round' \\(valid: chamfered, conical\\)"),
         (("seat", "conical", "--lift", "9 mm"), "leaves no gap"),
+        (("seat", "chamfered", "--lift", "0.2 mm", "--speed", "1 m/s"), "only the conical seat has a viscous force"),
         (("chatter", "conical", "--flow", "3 bar"), "--flow '3 bar'"),
         (("chatter", "conical", "--flow", "0"), "take a flow above 0"),
         (("chart", "conical", "--flows", "0.5:0.1"), "it must rise"),

@@ -1,6 +1,6 @@
 """Short chamfered seat: turbulent flow over an edge, its loss coefficient, and the force on the cone.
 
-Symbols and signs: `twin/README.md`, after (2.20), (2.25), (2.26), (2.33), (2.34), (4.2) of the thesis. The lift
+Symbols and signs: `twin/README.md`, after (2.20), (2.25) to (2.27), (2.33), (2.34), (4.2) of the thesis. The lift
 x >= 0 is axial, pressures gauge in Pa, forces in N, > 0 opens. The relief valve's own pilot:
 `twin/relief/poppet.py`.
 """
@@ -41,6 +41,11 @@ def discharge_flow(x: float, drop: float, seat: ChamferedSeat) -> float:
 def loss_coefficient(x: float, seat: ChamferedSeat) -> float:
     """zeta [-] of drop = zeta rho/2 (Q/A_in)^2, (2.26)."""
     return seat.loss_factor * (seat.diameter / x) ** seat.loss_exponent
+
+
+def idelchik_coefficient(x: float, seat: ChamferedSeat) -> float:
+    """zeta [-] by Idelchik's measurements for 0.125 <= x/d_in <= 0.4, of an unstated angle, (2.27)."""
+    return 0.6 + 0.15 * (seat.diameter / x) ** 2
 
 
 def loss_flow(x: float, drop: float, seat: ChamferedSeat) -> float:

@@ -12,15 +12,20 @@ from bridge.drawing.canvas import (
 )
 from twin.chatter.build import chamfered_of, conical_of
 from twin.rig import Values
-from twin.seats import chamfered, conical, film, validity
+from twin.seats import chamfered, conical, film, validity, viscous
 
 BAR, LITRE_PER_MINUTE, MM = 1e5, 1e-3 / 60.0, 1e-3
 
 
-def facts(kind: str, x: float, drop: float, rig: Values) -> dict[str, Any]:
-    """Numbers in SI, and warnings; x [m], drop [Pa]. Raises ValueError for a lift that leaves no gap."""
+def facts(kind: str, x: float, drop: float, rig: Values, speed: float = 0.0) -> dict[str, Any]:
+    """Numbers in SI, and warnings; x [m], drop [Pa]; speed of a conical poppet [m/s], > 0 opens.
+
+    Raises ValueError for a lift that leaves no gap, and for a speed of the other seat.
+    """
     density = rig["oil"]["density"]
     if kind == "chamfered":
+        if speed:
+            raise ValueError(f"--speed {speed:g} m/s: only the conical seat has a viscous force; leave it out")
         edge = chamfered_of(rig)
         if not 0.0 < x < edge.diameter:
             raise ValueError(f"lift {x} m: take one above 0 and below the seat's diameter, {edge.diameter} m")
@@ -34,17 +39,33 @@ def facts(kind: str, x: float, drop: float, rig: Values) -> dict[str, Any]:
             "warnings": list(validity.of_chamfered(x, edge).warnings),
         }
     seat = conical_of(rig)
+    wall = speed * seat.cosine  # along the gap
     return {
-        "flow": conical.flow(x, drop, 0.0, seat),
+        "flow": conical.flow(x, drop, wall, seat),
         "flow_fit": conical.power_flow(x, drop, 2.9, seat),
         "loss_coefficient": conical.loss_coefficient(x, drop, density, seat),
-        "pressure_force": conical.pressure_force(x, drop, 0.0, 0.0, seat),
+        "pressure_force": conical.pressure_force(x, drop, 0.0, wall, seat),
         "linear_pressure_force": conical.linear_pressure_force(x, drop, 0.0, seat),
-        "shear_force": seat.cosine * conical.shear_force(x, drop, 0.0, seat),
+        **{name: seat.cosine * part for name, part in _shear(x, drop, wall, density, seat).items()},
         "shear_damping": conical.shear_damping(x, seat),
         "film_damping": film.film_damping(x, seat),
         "warnings": list(validity.of_conical(x, drop, density, seat).warnings),
     }
+
+
+def _shear(x: float, drop: float, wall: float, density: float, seat: conical.ConicalSeat) -> dict[str, float]:
+    """The viscous force along the gap [N] by the models of 3.4; the diverging channel only of a wall that moves."""
+    cone, cylinder = viscous.by_cone(x, drop, wall, seat), viscous.by_cylinder(x, drop, wall, seat)
+    found = {
+        "shear_force": cone.total,
+        "shear_force_by_pressure": cone.by_pressure,
+        "shear_force_by_speed": cone.by_speed,
+        "cylinder_force": cylinder.total,
+        "cylinder_force_middle": viscous.by_cylinder(x, drop, wall, seat, viscous.mean_radius(x, seat)).total,
+    }
+    if wall:
+        found["channel_force_by_speed"] = viscous.by_channel(x, wall, density, seat).force.by_speed
+    return found
 
 
 WORDS = {
@@ -56,6 +77,11 @@ WORDS = {
     "linear_pressure_force": ("the same, pressure linear along the gap", 1.0, "N"),
     "momentum_force": ("momentum force", 1.0, "N"),
     "shear_force": ("viscous force, axial", 1.0, "N"),
+    "shear_force_by_pressure": ("its part by pressure", 1.0, "N"),
+    "shear_force_by_speed": ("its part by speed", 1.0, "N"),
+    "channel_force_by_speed": ("the part by speed of the diverging channel, (3.49)", 1.0, "N"),
+    "cylinder_force": ("viscous force of an equivalent cylinder, (3.23)", 1.0, "N"),
+    "cylinder_force_middle": ("the same with the radius of the seat's middle", 1.0, "N"),
     "shear_damping": ("damping by shear", 1.0, "N s/m"),
     "film_damping": ("damping by the squeeze film", 1.0, "N s/m"),
 }
