@@ -1,4 +1,4 @@
-"""The verb `line`: waves in one pipe."""
+"""The verb `line`: waves in one pipe, or in one with a branch."""
 
 from pathlib import Path
 from typing import Annotated
@@ -43,10 +43,17 @@ def line(
     tolerance: Annotated[str | None, typer.Option(help="Pressure; the esdirk pairs then choose their steps.")] = None,
     poles: Annotated[int, typer.Option(help="Of friction zielke.")] = 100,
     cavitation: Annotated[bool, typer.Option("--cavitation", help="Vapour cavities; scheme ends or nodes.")] = False,
+    branch: Annotated[str | None, typer.Option(help="Length of a branch; scheme moc.")] = None,
+    branch_diameter: Annotated[str | None, typer.Option(help="Its inner diameter. [default: the pipe's]")] = None,
+    branch_at: Annotated[str | None, typer.Option(help="Where it leaves. [default: the middle]")] = None,
+    branch_end: Annotated[str, typer.Option(help="Its far end: closed or reservoir.")] = "closed",
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for line.png and line.csv.")] = Path(),
     as_json: AS_JSON = False,
 ) -> None:
-    """Simulate waves in one pipe with any scheme, compared with the exact line: line.png, line.csv and a summary."""
+    """Simulate waves in one pipe with any scheme, compared with the exact line: line.png, line.csv and a summary.
+
+    With --branch three pipes meet at a junction.
+    """
     from bridge.cli.tables import print_table
     from bridge.studies.line.case import LineOptions
     from bridge.studies.line.study import facts, study, write
@@ -54,6 +61,7 @@ def line(
     request = LineOptions(
         length, diameter, oil, temperature, viscosity, density, speed, wall, young, left, right, velocity, pressure,
         rise, closure, span, scheme, friction, cells, step, courant, tolerance, poles, cavitation,
+        branch, branch_diameter, branch_at, branch_end,
     )  # fmt: skip
     found = study(request)
     paths = write(found, output)

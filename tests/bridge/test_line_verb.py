@@ -23,7 +23,10 @@ def line(folder: Path, *options: str):
 def asked(*options: str) -> dict[str, str]:
     """Facts without a picture: the verb's own defaults, changed."""
     chosen = {name: value.default for name, value in inspect.signature(verb).parameters.items()}
-    chosen |= {name.removeprefix("--"): value for name, value in zip(options[::2], options[1::2], strict=True)}
+    chosen |= {
+        name.removeprefix("--").replace("-", "_"): value
+        for name, value in zip(options[::2], options[1::2], strict=True)
+    }
     chosen["cells"], chosen["cavitation"] = int(chosen["cells"]), chosen["cavitation"] == "yes"
     return dict(what_it_says(study(LineOptions(**{name: chosen[name] for name in LineOptions._fields}))))
 
@@ -82,9 +85,45 @@ def test_cavitation_keeps_the_vapour_pressure():
         assert "rms error against the exact line" not in found
 
 
+BRANCH = ("--friction", "none", "--speed", "1000 m/s", "--length", "2 m", "--cells", "40")
+
+
+def test_a_branch_as_wide_as_the_pipe_passes_two_thirds_of_a_wave():
+    """A push p meets two equal lines: 2/3 p goes on, (2.101), until an echo comes back: 4 ms after the push at 1 m."""
+    found = asked(*BRANCH, "--left", "push", "--right", "closed", "--closure", "0 s", "--span", "1.9 ms",
+                  "--branch", "1 m", "--branch-diameter", "11 mm")  # fmt: skip
+    assert found["pressure junction"] == "20.000 .. 26.667 bar"
+    assert found["Courant numbers: left, right, branch"] == "1.000, 1.000, 1.000"
+
+
+def test_a_branch_begins_at_rest_and_stays_so():
+    """Nothing happens: steady flow past a branch, open to a reservoir at the junction's pressure or closed."""
+    for end in ("closed", "reservoir"):
+        found = asked("--left", "reservoir", "--right", "reservoir", "--branch", "0.7 m", "--branch-end", end)
+        assert {found[f"pressure {name}"] for name in ("left", "right", "junction", "branch end")} == {
+            "20.000 .. 20.000 bar"
+        }
+
+
+def test_a_branch_is_in_table_and_picture(tmp_path: Path):
+    found = facts(tmp_path, "--left", "open", "--branch", "1.2 m", "--branch-diameter", "16 mm", "--closure", "5 ms")
+    assert "pressure branch end" in found
+    with (tmp_path / "line.csv").open() as file:
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    low, high = (f([row["pressure branch end [Pa]"] for row in rows]) / 1e5 for f in (min, max))
+    assert found["pressure branch end"] == f"{low:.3f} .. {high:.3f} bar"
+    assert max(row["flow into branch [m^3/s]"] for row in rows) > 1e-5
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        (("--branch", "1 m", "--scheme", "ends"), "scheme ends has no junctions; with --branch take moc"),
+        (("--branch", "1 m", "--branch-at", "3 m"), "--branch-at 3 m is not inside the pipe of 2.5 m"),
+        (("--branch", "1 m", "--branch-end", "open"), "branch end 'open' is unknown (valid: closed, reservoir)"),
+        (("--branch", "1 um"), "take a longer one, or a shorter --span"),
+        (("--branch", "1e6 m"), "take a shorter --branch"),
+        (("--branch", "-1 m"), "--branch '-1 m': must be above 0"),
         (("--left", "closed", "--right", "closed"), "one end must hold pressure"),
         (("--left", "shut", "--right", "hatch"), "end 'hatch' is unknown (valid: closed"),
         (("--scheme", "moo"), "scheme 'moo' unknown; known: moc"),

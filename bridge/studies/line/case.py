@@ -39,6 +39,10 @@ class LineOptions(NamedTuple):
     tolerance: str | None
     poles: int
     cavitation: bool
+    branch: str | None  # length; none without
+    branch_diameter: str | None  # else that of the pipe
+    branch_at: str | None  # from the left end; else in the middle
+    branch_end: str  # closed or reservoir
 
 
 def case_of(request: LineOptions) -> Case:

@@ -15,6 +15,7 @@ from bridge.drawing.canvas import (
 )
 from bridge.drawing.files import write_columns
 from bridge.errors import UsageError, writing
+from bridge.studies.line.branch import BranchHistory, branch_of, with_branch
 from bridge.studies.line.case import LineOptions, amount, case_of
 from twin.lines.lab.exact import exact_history, kind_of
 from twin.lines.lab.pipe import VELOCITY, Case, History
@@ -31,7 +32,8 @@ class Study(NamedTuple):
     case: Case
     request: LineOptions
     history: History
-    exact: History | None  # None where there is none: turbulent, Brunone's, cavitation
+    exact: History | None  # None where there is none: turbulent, Brunone's, cavitation, a branch
+    branch: BranchHistory | None = None
 
     @property
     def error(self) -> float:
@@ -70,11 +72,23 @@ def study(request: LineOptions) -> Study:
             request.poles,
         )
         _checked(case, request, fine, span)
+        if request.branch:
+            found = _branched(case, request, fine, span)
+            return Study(case, request, found.ends, None, found)
         vapour = values()["oil"]["vapour_pressure"] if request.cavitation else NEVER
         history = simulate(case, request.scheme, request.friction, span, fine, float(vapour))
         return Study(case, request, history, _exact(case, request, fine, span))
     except ValueError as error:
         raise UsageError(str(error)) from None
+
+
+def _branched(case: Case, request: LineOptions, fine: Resolution, span: float) -> BranchHistory:
+    """The pipe with its branch. ValueError: a scheme that has no junctions, or a place outside the pipe."""
+    if request.scheme != "moc":
+        raise ValueError(f"scheme {request.scheme} has no junctions; with --branch take moc")
+    branch = branch_of(case, request.branch or "", request.branch_diameter, request.branch_at, request.branch_end)
+    model = model_of(case, request.friction, fine, case.pipe.travel_time / fine.cells)
+    return with_branch(case, branch, model, fine.cells, span, fine.courant)
 
 
 def _own_step(request: LineOptions, case: Case) -> float:
@@ -122,6 +136,13 @@ def table(found: Study) -> Columns:
         e = found.exact
         out["exact pressure left [Pa]"] = np.interp(h.time, e.time, e.p_1)
         out["exact pressure right [Pa]"] = np.interp(h.time, e.time, e.p_2)
+    if found.branch is not None:
+        b = found.branch
+        out |= {
+            "pressure junction [Pa]": b.junction,
+            "pressure branch end [Pa]": b.far,
+            "flow into branch [m^3/s]": b.inflow,
+        }
     return out
 
 
@@ -137,6 +158,11 @@ def facts(found: Study) -> list[tuple[str, str]]:
     ]
     for name, p in (("left", h.p_1), ("right", h.p_2)):
         rows.append((f"pressure {name}", f"{1e-5 * p.min():.3f} .. {1e-5 * p.max():.3f} bar"))
+    if found.branch is not None:
+        for name, p in (("junction", found.branch.junction), ("branch end", found.branch.far)):
+            rows.append((f"pressure {name}", f"{1e-5 * p.min():.3f} .. {1e-5 * p.max():.3f} bar"))
+        parts = ", ".join(f"{c:.3f}" for c in found.branch.courant)
+        rows.append(("Courant numbers: left, right, branch", parts))
     if found.exact is not None:
         rows.append(("rms error against the exact line", f"{100.0 * found.error:.2f} % of Joukowsky's pressure"))
     return rows
@@ -152,8 +178,14 @@ def picture(found: Study) -> Sheet:
             upper.plot(per * found.exact.time, 1e-5 * p, color="0.7", linewidth=2.2)
         upper.plot([], [], color="0.7", linewidth=2.2, label="exact")
     _pair(upper, per * found.history.time, 1e-5 * found.history.p_1, 1e-5 * found.history.p_2)
+    if found.branch is not None:
+        for p, colour, name in (
+            (found.branch.junction, "tab:green", "junction"),
+            (found.branch.far, "tab:orange", "branch end"),
+        ):
+            upper.plot(per * found.history.time, 1e-5 * p, color=colour, linewidth=0.9, label=name)
     _pair(lower, per * found.history.time, found.history.v_1, found.history.v_2)
-    upper.legend(frameon=False, fontsize=8, ncols=3, loc="upper right")
+    upper.legend(frameon=False, fontsize=8, ncols=4, loc="upper right")
     label(upper, "", "pressure [bar]")
     label(lower, f"t [{unit}]", "velocity [m/s]")
     remark(
