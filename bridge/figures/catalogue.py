@@ -79,6 +79,12 @@ _ALL = (
     Figure(
         "relay", "The relay's cycle on the rig, predicted and found on the twin", "stability.relay_loop.draw_relay_loop"
     ),
+    Figure("density", "Density of the oil by 13 weighings", "oil.density.draw_density"),
+    Figure("bulk-modulus", "Bulk modulus of the oil by the wave speed", "oil.bulk_modulus.draw_bulk_modulus"),
+    Figure("pilot-loss", "Table 2.2: loss coefficient of the pilot, CFD, (2.26), Idelchik", "valve.loss.draw_loss"),
+    Figure("viscous-models", "Viscous force on the cone by three models", "valve.viscous.draw_models"),
+    Figure("rig-friction", "Unsteady and quasi-steady friction in the rig", "transients.friction.draw"),
+    Figure("coupled-line", "A line of variable steps together with the cylinder", "lines.coupled.draw"),
     Figure("line-response", "Impedance of a line: exact, and of each scheme", "lines.response.draw"),
     Figure("circuit", "The circuit, from the rig's own numbers", "circuit.rig.draw_circuit"),
     Figure("lyapunov", "First Lyapunov coefficient of both seats", "valve.chatter.draw_lyapunov"),

@@ -24,6 +24,7 @@ from twin.seats.chamfered import loss_coefficient, momentum_force
 
 BAR, LITRE_PER_MINUTE = 1e5, 1e-3 / 60.0
 MEAN_DISCHARGE = 0.78  # 2.4.1, mean of the thesis's CFD
+WIDE = 0.8e-3  # [m], the nozzle that the axis of Fig. 2.15 asks for; that of Fig. 2.18 asks for the rig's
 LIFTS = (0.2e-3, 0.3e-3, 0.4e-3, 0.5e-3)  # [m]
 PRECOMPRESSIONS = (0.2e-3, 0.4e-3, 0.6e-3, 0.8e-3, 1.0e-3)  # [m]
 TUBE_EDGE = 50.0  # Re at which Merritt's two laws meet, (2.22)
@@ -58,12 +59,20 @@ def draw_discharge() -> tuple[Columns, Sheet]:
     return {"Re [-]": re} | {f"Cd {name} [-]": law for name, law in laws.items()}, page
 
 
+def nozzle(diameter: float) -> tuple[float, float]:
+    """a, b of the rig's orifice 2 with a diameter [m]: drop = a Q|Q| + b Q."""
+    rig = values()
+    part = rig["relief"]
+    orifice = Orifice(part["nozzle_discharge"], part["nozzle_transition"])
+    return resistance(math.pi / 4.0 * diameter**2, orifice, oil_of(rig))
+
+
 def draw_orifice_flow() -> tuple[Columns, Sheet]:
     """Figure 2.15."""
     rig = values()
     part, oil = rig["relief"], oil_of(rig)
     area = math.pi / 4.0 * part["nozzle_diameter"] ** 2
-    a, b = resistance(area, Orifice(part["nozzle_discharge"], part["nozzle_transition"]), oil)
+    a, b = nozzle(part["nozzle_diameter"])
     drop = np.linspace(0.0, 40.0 * BAR, 201)
     flow = np.array([quadratic_flow(float(p), a, b) for p in drop])
     mean = MEAN_DISCHARGE * area * np.sqrt(2.0 * drop / oil.density)
@@ -73,6 +82,12 @@ def draw_orifice_flow() -> tuple[Columns, Sheet]:
     axes.set(xlim=(0.0, 40.0), ylim=(0.0, None))
     label(axes, "$p_1 - p_2$ [bar]", "Q [l/min]")
     axes.legend(frameon=False, loc="lower right")
+    wide = quadratic_flow(float(drop[-1]), *nozzle(WIDE)) / LITRE_PER_MINUTE
+    remark(
+        page,
+        f"Nozzle {part['nozzle_diameter'] * 1e3:.3g} mm, as Fig. 2.18 asks for. The thesis's axis ends at 2.5 l/min, "
+        f"which fits {WIDE * 1e3:.1f} mm ({wide:.2f} l/min): the two figures contradict each other.",
+    )
     return {"drop [Pa]": drop, "flow Borutzky [m^3/s]": flow, "flow mean Cd [m^3/s]": mean}, page
 
 
@@ -80,9 +95,7 @@ def draw_pilot_force() -> tuple[Columns, Sheet]:
     """Figure 2.18: the law (2.34), and with the momentum of the jet; orifice 2 in series with the pilot's seat."""
     rig = values()
     part, oil, seat = rig["relief"], oil_of(rig), chamfered_of(rig)
-    a, b = resistance(
-        math.pi / 4.0 * part["nozzle_diameter"] ** 2, Orifice(part["nozzle_discharge"], part["nozzle_transition"]), oil
-    )
+    a, b = nozzle(part["nozzle_diameter"])
     p_in = np.linspace(0.0, 100.0 * BAR, 101)
     columns: Columns = {"inlet pressure [Pa]": p_in}
     page, (axes,) = sheet("2.18  Pressure force on the pilot over the pressure before orifice 2")
@@ -99,10 +112,17 @@ def draw_pilot_force() -> tuple[Columns, Sheet]:
     axes.set(xlim=(0.0, 100.0))
     label(axes, "$p_{in}$ [bar]", "F [N]")
     axes.legend(frameon=False, title="lift")
-    name, nozzle = f"{LIFTS[0] * 1e3:.1f} mm", f"{part['nozzle_diameter'] * 1e3:.3g} mm"
+    name, own = f"{LIFTS[0] * 1e3:.1f} mm", f"{part['nozzle_diameter'] * 1e3:.3g} mm"
     most, bare = columns[f"pressure force {name} [N]"][-1], seat.area * p_in[-1]
-    behind = f"{name} at 100 bar: {most:.1f} N behind a nozzle of {nozzle}, {bare:.0f} N without it"
-    remark(page, f"(2.34): $p_2$ over the whole inlet. {behind}; the thesis's axis ends at 25 N")
+    per_square = 0.5 * oil.density * loss_coefficient(LIFTS[0], seat) / seat.area**2
+    a, b = nozzle(WIDE)
+    wide = seat.area * per_square * quadratic_flow(float(p_in[-1]), a + per_square, b) ** 2
+    behind = f"{most:.1f} N behind a nozzle of {own}, {wide:.1f} N behind {WIDE * 1e3:.1f} mm, which Fig. 2.15 asks for"
+    remark(
+        page,
+        f"(2.34): $p_2$ over the whole inlet. {name} at 100 bar: {behind}, {bare:.0f} N without one;\n"
+        "the thesis's axis ends at 25 N: the two figures contradict each other.",
+    )
     return columns, page
 
 
