@@ -46,9 +46,9 @@ class Base(Part):
         return False
 
     @property
-    def jumps_overlap(self) -> bool:
-        """Is the dead band of the valve's lands jumped over?"""
-        return False
+    def jumped_share(self) -> float:
+        """Of the dead band of the valve's lands, how much is jumped over; 0..1."""
+        return 0.0
 
     def refuse_period(self, period: float) -> None:
         """Raises ValueError for a sample period [s] that the controller cannot have."""
@@ -71,10 +71,13 @@ class WithGains(WithVelocity):
     gain: ProportionalGain = Field(default="1.0 V/%", description="proportional, on the position error")
     derivative: DerivativeGain = Field(default="0.0 V s/%", description="on the piston's velocity")
     compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
+    overlap_share: Fraction = Field(
+        default=1.0, gt=0.0, le=1.0, description="of the overlap that is jumped; below 1 a dead band is left"
+    )
 
     @property
-    def jumps_overlap(self) -> bool:
-        return self.compensate_overlap
+    def jumped_share(self) -> float:
+        return self.overlap_share if self.compensate_overlap else 0.0
 
 
 class PdGains(WithGains):
@@ -89,7 +92,7 @@ class PdGains(WithGains):
             filter_time=self.filter_time,
             sample_period=scale.sample_period,
             limit=self.limit,
-            overlap=scale.overlap if self.jumps_overlap else 0.0,
+            overlap=self.jumped_share * scale.overlap,
         )
 
 
@@ -121,7 +124,7 @@ class Pid(WithGains):
             filter_time=self.filter_time,
             sample_period=scale.sample_period,
             limit=self.limit,
-            overlap=scale.overlap if self.jumps_overlap else 0.0,
+            overlap=self.jumped_share * scale.overlap,
             anti_windup=self.anti_windup,
             tracking_time=self._tracking(proportional, numbers["integral"], scale.sample_period),
         )

@@ -193,6 +193,23 @@ def test_a_relay_has_a_cycle_and_no_gain():
     assert frequency == pytest.approx(twin.frequency, rel=0.1)
 
 
+@pytest.mark.parametrize("mass", [120, 303])
+def test_a_little_of_the_overlap_left_stops_the_hunting_for_a_small_error(mass):
+    """4 % of an overlap of 10 % left over a gain of 37/m: a dead band of +-0.11 mm, more than a step of the card."""
+    found = {}
+    for share in (1.0, 0.96):
+        scenario = load("step", [f"rig.load.mass={mass}", f"controller.overlap_share={share}"])
+        asked = stepped(scenario, 20e-3).model_copy(update={"duration": 8.0})
+        trace = trial(asked, stand_of(asked))
+        late = trace.time > 4.0
+        found[share] = np.ptp(trace.position[late]), np.abs(trace.position[late] - 0.12).max()
+    left = 0.04 * scenario.rig.valve.overlap / free_gain(scenario).own
+    assert left > scenario.daq.position_range / 2**scenario.daq.bits
+    assert found[1.0][0] > 0.3e-3
+    assert found[0.96][0] < 0.02e-3
+    assert found[0.96][1] < min(left + 0.05e-3, found[1.0][1])
+
+
 LATE = ("--set", "loop.delay=10ms", "--set", "controller.derivative_time=0")  # where both valves have a frequency
 
 

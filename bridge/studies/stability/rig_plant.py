@@ -86,7 +86,7 @@ def _plant(name: str, point: State, edge: str | None, opening: float, scenario: 
     entry, position, velocity = (
         np.eye(len(STATES))[STATES.index(s)] for s in ("spool_velocity", "position", "velocity")
     )
-    travel = 1.0 - valve.overlap if scenario.controller.jumps_overlap else 1.0
+    travel = 1.0 - scenario.controller.jumped_share * valve.overlap
     a = jacobian(to_vector(point), circuit, edge)
     linear = Plant(a, valve.natural_frequency**2 * travel * entry, position, velocity)
     sealing = abs(point.ends.pressure[LOWER] - point.ends.pressure[UPPER])
