@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from bridge.figures.stability import charts
 from bridge.figures.stability.charts import (
     CHARTS,
     CURVES,
@@ -84,3 +85,18 @@ def test_closed_curves_bound_the_islands():
         s, at = s[s > 0.0], tau[both][s > 0.0]
         assert np.mean(is_stable(monodromy(s, CURVES.d, CURVES.k, 0.23, Timing(at))) == stable) > 0.99
     assert CHARTS["5.17"] == CURVES
+
+
+@pytest.mark.endurance
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("name", [name for name, of in charts.CHARTS.items() if of.k > 0.0])
+def test_a_chart_with_damping_lacks_no_edge(name: str):
+    """Wherever a cell is stable and its neighbour is not, a curve that is drawn strongly passes within 1.5 cells."""
+    of, scale = charts.CHARTS[name], charts.CELLS * np.array([1.0 / charts.LONGEST, 1.0 / charts.HIGHEST])
+    tau, flip, pairs = charts.damped_curves(of)
+    curves = [np.where((s > 0.0) & (s < 1.02 * charts.HIGHEST), s, np.nan) for s in (flip, *pairs)]
+    drawn = np.concatenate([np.stack([tau, s], 1)[charts.edges(tau, s, of)] for s in curves]) * scale
+    stable = charts.counts(of) == 3
+    across, up = (np.argwhere(np.diff(stable, axis=axis))[:, ::-1] for axis in (1, 0))
+    borders = np.concatenate([across + np.array([1.0, 0.5]), up + np.array([0.5, 1.0])])
+    assert max(np.abs(drawn - border).max(axis=1).min() for border in borders) < 1.5

@@ -1,6 +1,7 @@
 """A line solved together with a cylinder or a valve: exact modes, Joukowsky, bounded work."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ def test_a_mass_on_a_chamber_behind_a_line_swings_in_its_exact_mode():
 
     quarter = 0.5 * math.pi / PIPE.travel_time
     for low, high in ((1.0, 0.99 * quarter), (1.2 * quarter, 2.2 * quarter)):
-        omega = brentq(mode, low, high)
+        omega: Any = brentq(mode, low, high)
         found, start = mode_after_a_cycle(omega)
         assert found == pytest.approx(start, abs=2e-3 * np.abs(start).max())
 
@@ -76,7 +77,7 @@ def test_a_tighter_tolerance_takes_more_steps_and_gives_less_error():
         def push(t):
             return 20e5 + 10e5 * float(np.sin(min(t / 0.02, 1.0) * 0.5 * math.pi) ** 2)
 
-        tolerated = tuple(tolerance * share for share in (1e-14, 1e-9, 1e-8))
+        tolerated = 1e-14 * tolerance, 1e-9 * tolerance, 1e-8 * tolerance
         piston = chamber(AREA, VOLUME, MODULUS, MASS, lambda t: -AREA * REST, lambda t, p: 0.0, 0.0, REST, tolerated)
         line = CoupledLine(PIPE, grid("fem", 12, PIPE.length), friction("kagawa"), (given(push), piston), REST)
         course = list(march_coupled(line, "esdirk4", tolerance, 0.05, 5000))

@@ -60,8 +60,9 @@ def rig_run() -> dict[str, Array]:
     plant, controller = sides(scenario())
     ticks = exchange(plant, controller, scenario().ticks)
     states = [out.message for messages in ticks for out in messages if out.topic == "state"]
-    seen = {name: np.array([getattr(state, name) for state in states]) for name in SIGNALS}
-    return seen | {"stamp": 1e-9 * seen["stamp"]}
+    seen: dict[str, Array] = {name: np.array([getattr(state, name) for state in states]) for name in SIGNALS}
+    seen["stamp"] = 1e-9 * seen["stamp"]
+    return seen
 
 
 def pipe_of(name: str) -> Pipe:

@@ -35,6 +35,7 @@ LONGEST, HIGHEST = 20.0, 5.0  # tau, s
 CELLS = 200  # a side; numbers are those of their middles
 FINE = 4000  # places along a curve
 NEAR = 1e-3  # relative step in s and in tau to either side of a curve, to see whether stability ends there
+JUMP, HALVINGS = 0.01 * HIGHEST, 7  # in s between neighbours on a damped curve, and how often their gap is halved
 FLIP, PAIR, FOLD = "#b3261e", "#1f4e9c", "0.35"
 CURVES = Damped(0.0, 1.0)  # of 5.7
 
@@ -68,6 +69,27 @@ def pairs(tau: Array, of: Damped) -> list[Array]:
         return [neimark_sacker_curve(tau, of.d, GAMMA)] if of.d > 0.0 else []
     plant = linear_actuator(of.k, GAMMA)
     return list(np.array([pair_gains(sampled_loop(plant, Timing(t)), of.d) for t in tau.tolist()]).T)
+
+
+def damped_curves(of: Damped) -> tuple[Array, Array, list[Array]]:
+    """tau, flip curve and pair curves of a damped loop, closer together where they are steep, begin or end."""
+    tau = (np.arange(FINE // 8) + 0.5) * LONGEST / (FINE // 8)
+    rows = np.array([flips(tau, of), *pairs(tau, of)])
+    for _ in range(HALVINGS):
+        new = 0.5 * (tau[1:] + tau[:-1])[_apart(rows)]
+        if not new.size:
+            break
+        order = np.argsort(np.append(tau, new))
+        found = np.array([flips(new, of), *pairs(new, of)])
+        tau, rows = np.append(tau, new)[order], np.append(rows, found, axis=1)[:, order]
+    return tau, rows[0], list(rows[1:])
+
+
+def _apart(rows: Array) -> NDArray[np.bool_]:
+    """Between which neighbours a curve in view begins, ends or jumps."""
+    seen = (rows > 0.0) & (rows < 1.02 * HIGHEST)
+    either, jump = seen[:, 1:] | seen[:, :-1], np.abs(np.diff(np.nan_to_num(rows, nan=-HIGHEST, posinf=99.0), axis=1))
+    return np.asarray((either & (jump > JUMP)).any(axis=0))
 
 
 def edges(tau: Array, curve: Array, of: Damped) -> NDArray[np.bool_]:
@@ -139,12 +161,10 @@ def add_mark(page: Sheet, number: str, name: str) -> None:
 def _draw_curves(axes: Any, of: Damped) -> list[Any]:
     """Curves of the closed forms, strong where stability ends on them; their keys."""
     tau = (np.arange(FINE) + 0.5) * LONGEST / FINE
-    damped = tau[::8]
-    curves = [("flip, mu = -1", FLIP, *((tau, flips(tau, of)) if of.k == 0.0 else (damped, flips(damped, of))))]
-    at = tau if of.k == 0.0 else damped
-    curves += [("Neimark-Sacker, a pair of size 1", PAIR, at, curve) for curve in pairs(at, of)]
+    at, flip, pair = (tau, flips(tau, of), pairs(tau, of)) if of.k == 0.0 else damped_curves(of)
+    curves = [("flip, mu = -1", FLIP, flip), *(("Neimark-Sacker, a pair of size 1", PAIR, curve) for curve in pair)]
     keys: dict[str, Any] = {}
-    for name, colour, at, curve in curves:
+    for name, colour, curve in curves:
         seen = np.where((curve > 0.0) & (curve < 1.02 * HIGHEST), curve, np.nan)
         axes.plot(at, seen, color=colour, linewidth=0.6, alpha=0.7)
         strong = axes.plot(at, np.where(edges(at, seen, of), seen, np.nan), color=colour, linewidth=1.8, label=name)

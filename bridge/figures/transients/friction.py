@@ -11,6 +11,7 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridge.drawing.canvas import Array, Axes, Columns, Sheet, label, remark, stack
 from bridge.loop.exchange import exchange, sides
@@ -33,7 +34,7 @@ class Decay(NamedTuple):
     level: Array  # rms [Pa]
 
     @property
-    def heard(self) -> Array:
+    def heard(self) -> NDArray[np.bool_]:
         """The windows that are used."""
         return self.level > HEARD * self.level[0]
 
@@ -60,8 +61,10 @@ def run(kind: str) -> dict[str, Array]:
     plant, controller = sides(scenario(kind))
     ticks = exchange(plant, controller, scenario(kind).ticks)
     states = [out.message for messages in ticks for out in messages if out.topic == "state"]
-    seen = {name: np.array([getattr(state, name) for state in states]) for name in ("stamp", *SIGNALS)}
-    return seen | {"stamp": 1e-9 * seen["stamp"]}
+    names = "stamp", *SIGNALS
+    seen: dict[str, Array] = {name: np.array([getattr(state, name) for state in states]) for name in names}
+    seen["stamp"] = 1e-9 * seen["stamp"]
+    return seen
 
 
 def parts(time: Array, pressure: Array) -> dict[str, Array]:
