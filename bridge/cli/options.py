@@ -1,5 +1,6 @@
 """Arguments and options that several verbs share."""
 
+import re
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -7,14 +8,26 @@ from typing import Annotated
 import typer
 
 from bridge.errors import UsageError
+from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 
+PROTOCOL = re.compile(r"[a-z][a-z0-9-]*/.")
 FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
 TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
 TOLERANCE = Annotated[
     list[str] | None,
     typer.Option("--tolerance", metavar="SIGNAL=VALUE", help="Allowed difference: position='0.1 mm'. Repeatable."),
 ]
+
+
+def address(param: typer.CallbackParam, value: str | None) -> str | None:
+    """An address as Zenoh writes it. Raises UsageError for one without its protocol, with what may have been meant."""
+    if value is None or PROTOCOL.match(value):
+        return value
+    host, colon, port = value.rpartition(":")
+    if not colon:
+        host, port = ("127.0.0.1", value) if value.isdecimal() else (value or "127.0.0.1", "7447")
+    raise UsageError(f"--{param.name} {value}: an address begins with its protocol: write tcp/{host}:{port}")
 
 
 def there(*paths: Path) -> None:
@@ -53,7 +66,11 @@ MARK = Annotated[
     typer.Option("--mark", metavar="SCENARIO", help="Mark a scenario's rig on a dimensionless chart of stability."),
 ]
 AS_JSON = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
-CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.")]
+CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.", callback=address)]
+LISTEN = Annotated[
+    str | None, typer.Option(help=f"Address to listen on.  [default: {DEFAULT_ENDPOINT}]", callback=address)
+]
+JOIN = Annotated[str | None, typer.Option("--connect", help="Join a router instead of listening.", callback=address)]
 CONFIG = Annotated[
     Path | None, typer.Option("--zenoh-config", help="Zenoh configuration file: TLS, passwords, access control.")
 ]

@@ -11,10 +11,13 @@ from bridge.cli.options import (
     CONFIG,
     CONNECT,
     FIFO,
+    JOIN,
+    LISTEN,
     MODE,
     QUIET,
     SCENARIO,
     ProcessMode,
+    address,
 )
 from bridge.cli.outputs import print_json
 from bridge.wire.link import DEFAULT_ENDPOINT
@@ -26,8 +29,8 @@ def plant(
     changes: CHANGES = None,
     mode: MODE = ProcessMode.REALTIME,
     speed: Annotated[float, typer.Option(min=0.01, max=100.0, help="Simulated seconds per second.")] = 1.0,
-    listen: Annotated[str | None, typer.Option(help=f"Address to listen on.  [default: {DEFAULT_ENDPOINT}]")] = None,
-    connect: Annotated[str | None, typer.Option(help="Connect to a router instead of listening.")] = None,
+    listen: LISTEN = None,
+    connect: JOIN = None,
     zenoh_config: CONFIG = None,
     run_id: Annotated[
         int | None, typer.Option(help="Identity of the run. [default: random]", show_default=False)
@@ -103,7 +106,7 @@ def controller(
 
 
 def router(
-    listen: Annotated[str, typer.Option(help="Address to listen on.")] = "tcp/0.0.0.0:7447",
+    listen: Annotated[str, typer.Option(help="Address to listen on.", callback=address)] = "tcp/0.0.0.0:7447",
     zenoh_config: CONFIG = None,
 ) -> None:
     """Route between machines until interrupted; plants and clients use --connect."""

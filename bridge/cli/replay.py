@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.options import AS_JSON, CONFIG, FILE, TOLERANCE, nanoseconds, there, tolerances
+from bridge.cli.options import AS_JSON, CONFIG, FILE, JOIN, LISTEN, TOLERANCE, nanoseconds, there, tolerances
 from bridge.cli.outputs import print_json
 from bridge.cli.record import TOPICS, WITHOUT
 from bridge.errors import UsageError
@@ -20,7 +20,6 @@ class Into(StrEnum):
     controller = "controller"
 
 
-LISTEN = Annotated[str | None, typer.Option(help=f"Address to listen on.  [default: {DEFAULT_ENDPOINT}]")]
 INTO = Annotated[
     Into | None, typer.Option(help="Feed the recording to the twin or a controller and compare its output.")
 ]
@@ -40,7 +39,7 @@ def replay(
     force: Annotated[bool, typer.Option("--force", help="Also on keys that have a live publisher.")] = False,
     wait: Annotated[float, typer.Option(help="Seconds to wait for a subscriber.")] = 0.0,
     listen: LISTEN = None,
-    connect: Annotated[str | None, typer.Option(help="Join a router or a plant instead of listening.")] = None,
+    connect: JOIN = None,
     zenoh_config: CONFIG = None,
     changes: Annotated[
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="With --into: change the scenario.")

@@ -13,6 +13,7 @@ from bridge.cli.options import (
     CHANGES,
     SCENARIO,
     Mode,
+    address,
 )
 from bridge.cli.outputs import print_json, write_text
 from bridge.errors import UsageError
@@ -39,7 +40,10 @@ def run(
         bool, typer.Option("--external", help="Wait for an external controller instead of starting ours.")
     ] = False,
     listen: Annotated[
-        str | None, typer.Option(help="The plant's address. [default: a free one on loopback]", show_default=False)
+        str | None,
+        typer.Option(
+            help="The plant's address. [default: a free one on loopback]", show_default=False, callback=address
+        ),
     ] = None,
     patience: Annotated[
         float, typer.Option(help="Seconds the plant waits for a partner or a lockstep command.")

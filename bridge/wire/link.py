@@ -41,10 +41,10 @@ def open_session(link: Link, mode: str | None = None, lease: float | None = None
     """
     import zenoh
 
-    config = _configuration(link, mode)
-    if lease is not None:
-        config.insert_json5("transport/link/tx/lease", str(round(lease * 1000)))
     try:
+        config = _configuration(link, mode)
+        if lease is not None:
+            config.insert_json5("transport/link/tx/lease", str(round(lease * 1000)))
         return zenoh.open(config)
     except zenoh.ZError as error:
         raise LinkError(_explain(link, _reason(error))) from None

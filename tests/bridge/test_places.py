@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from bridge.cli.verbs import app
-from bridge.errors import RunError, ScenarioError, visible, writing
+from bridge.errors import RunError, ScenarioError, UsageError, visible, writing
 from bridge.recording import sink
 from bridge.recording.reader import read
 from bridge.runs.in_process import record_in_process
@@ -178,6 +178,32 @@ def test_streams_that_refuse_get_a_line_at_most(tmp_path: Path, text: str, code:
     assert done.returncode == code
     assert done.stderr.count("\n") == bool(words)
     assert words in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (("record", "--connect", "127.0.0.1:17490"), "tcp/127.0.0.1:17490"),
+        (("run", "step", "--listen", "17448"), "tcp/127.0.0.1:17448"),
+        (("plant", "--listen", "[::1]:7000"), "tcp/[::1]:7000"),
+        (("plant", "--connect", "rig.local"), "tcp/rig.local:7447"),
+        (("router", "--listen", "localhost:1"), "tcp/localhost:1"),
+        (("reset", "--connect", ""), "tcp/127.0.0.1:7447"),
+        (("controller", "--connect", "tcp:/1"), "begins with its protocol"),
+        (("view", "--connect", "127.0.0.1:1"), "tcp/127.0.0.1:1"),
+        (("replay", "a.mcap", "--connect", "127.0.0.1:1"), "tcp/127.0.0.1:1"),
+    ],
+)
+def test_an_address_without_its_protocol_is_answered_with_one_that_has_it(words: tuple[str, ...], meant: str):
+    result = hydrotwin(*words)
+    assert isinstance(result.exception, UsageError)
+    assert meant in str(result.exception)
+
+
+def test_an_address_that_zenoh_refuses_is_one_line():
+    for refused in ("nonsense/127.0.0.1:1", "tcp/127.0.0.1:1?a#"):
+        with pytest.raises(link.LinkError, match="nobody answers at"):
+            link.open_session(link.Link(None, refused, None, 0.2))
 
 
 @pytest.mark.parametrize("text", ["ht scenarios", "ht schema > /dev/null; ht figure 2.2"])
