@@ -125,7 +125,7 @@ def test_every_loop_of_a_built_in_scenario_is_known_or_not_a_pd():
 @pytest.mark.parametrize("name", ["delay", "slow-sampling", "step"])
 def test_advice_agrees_with_what_check_finds(name, tmp_path):
     scenario = load(name, ["duration=6"])
-    advice, outcome = advise(scenario), check_scenario(scenario, Mode.INPROCESS, tmp_path)
+    advice, outcome = advise(scenario, (60e-3,)), check_scenario(scenario, Mode.INPROCESS, tmp_path)
     swings = [verdict for verdict in outcome.verdicts if "limit cycle" in verdict.text]
     assert outcome.passed
     assert isinstance(advice, Advice)
