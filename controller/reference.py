@@ -155,8 +155,13 @@ def table_from_csv(text: str) -> Table:
 
 
 def _filled_lines(text: str) -> list[tuple[int, list[str]]]:
-    """Line number and cells of every line that holds something, without the header."""
-    reader = csv.reader(text.removeprefix("\ufeff").splitlines())  # spreadsheets write a byte order mark
+    """Line number and cells of every line that holds something, without the header.
+
+    Between them stand commas; or semicolons or tabs, and then a decimal comma is one.
+    """
+    separator = next((mark for mark in (";", "\t") if mark in text), ",")
+    text = text if separator == "," else text.replace(",", ".")
+    reader = csv.reader(text.removeprefix("\ufeff").splitlines(), delimiter=separator)  # spreadsheets write that mark
     lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
     filled = [(line, cells) for line, cells in lines if any(cells)]
     return filled[1:] if filled and filled[0][1] == HEADER else filled

@@ -6,7 +6,7 @@ Source: (2.3) to (2.9); the printed (2.9) used E = 2.1e10 Pa for steel, ten time
 import math
 from typing import NamedTuple
 
-VISCOSITY_CEILING = 80.0  # [deg C], the quadratic law turns upwards at 108.1 deg C
+VISCOSITY_FLOOR, VISCOSITY_CEILING = -20.0, 80.0  # [deg C]; the quadratic law turns upwards at 108.1 deg C
 SECONDS_TO_VISCOSITY = (8140.0 - 876.56) * 0.12837e-6  # (2.3): mu = t (rho_ball - rho) K [Pa s per s]
 
 
@@ -22,12 +22,12 @@ class Oil(NamedTuple):
 def kinematic_viscosity(temperature: float) -> float:
     """nu [m^2/s] at a temperature in deg C, the second-order law (2.6), (2.7).
 
-    Raises ValueError above 80 deg C, where the law leaves its data.
+    Raises ValueError below -20 and above 80 deg C, where the law leaves its data.
     """
-    if not temperature <= VISCOSITY_CEILING:
+    if not VISCOSITY_FLOOR <= temperature <= VISCOSITY_CEILING:
         raise ValueError(
-            f"oil temperature {temperature} deg C is above {VISCOSITY_CEILING} deg C, "
-            "where the viscosity law (2.6) no longer holds; choose a lower one"
+            f"oil temperature {temperature} deg C: the viscosity law (2.6) holds from {VISCOSITY_FLOOR:g} to "
+            f"{VISCOSITY_CEILING:g} deg C"
         )
     theta = temperature - 20.0
     return 117.95e-6 * math.exp(-0.0608 * theta + 3.45e-4 * theta**2)

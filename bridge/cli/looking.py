@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.options import AS_JSON, CONFIG, CONNECT, there
+from bridge.cli.options import AS_JSON, CONFIG, CONNECT, PATIENCE, there
 from bridge.cli.outputs import print_json
 from bridge.wire.link import DEFAULT_ENDPOINT
 
@@ -29,7 +29,7 @@ def view(
     rig: Annotated[str, typer.Option(help="Name of the rig to watch.")] = "rig",
     connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,
-    patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
+    patience: PATIENCE = 10.0,
 ) -> None:
     """Show a recording, or without FILE a running plant, in Rerun: the rig in 3-D, curves, maps of the pipes, events.
 

@@ -11,6 +11,7 @@ from bridge.errors import UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 
+LONGEST = 1e6  # [s] of patience
 PROTOCOL = re.compile(r"[a-z][a-z0-9-]*/.")
 FILE = Annotated[Path, typer.Argument(help="A recording, .mcap.")]
 TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
@@ -28,6 +29,13 @@ def address(param: typer.CallbackParam, value: str | None) -> str | None:
     if not colon:
         host, port = ("127.0.0.1", value) if value.isdecimal() else (value or "127.0.0.1", "7447")
     raise UsageError(f"--{param.name} {value}: an address begins with its protocol: write tcp/{host}:{port}")
+
+
+def seconds(param: typer.CallbackParam, value: float) -> float:
+    """A number of seconds to wait. Raises UsageError for one that is not finite, or negative."""
+    if not 0.0 <= value <= LONGEST:
+        raise UsageError(f"--{param.name} {value:g}: seconds, from 0 to {LONGEST:g}")
+    return value
 
 
 def there(*paths: Path) -> None:
@@ -70,6 +78,7 @@ CONNECT = Annotated[str, typer.Option(help="Address of the plant or of a router.
 LISTEN = Annotated[
     str | None, typer.Option(help=f"Address to listen on.  [default: {DEFAULT_ENDPOINT}]", callback=address)
 ]
+PATIENCE = Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.", callback=seconds)]
 JOIN = Annotated[str | None, typer.Option("--connect", help="Join a router instead of listening.", callback=address)]
 CONFIG = Annotated[
     Path | None, typer.Option("--zenoh-config", help="Zenoh configuration file: TLS, passwords, access control.")

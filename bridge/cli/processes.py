@@ -14,10 +14,12 @@ from bridge.cli.options import (
     JOIN,
     LISTEN,
     MODE,
+    PATIENCE,
     QUIET,
     SCENARIO,
     ProcessMode,
     address,
+    seconds,
 )
 from bridge.cli.outputs import print_json
 from bridge.wire.link import DEFAULT_ENDPOINT
@@ -39,7 +41,10 @@ def plant(
         list[str] | None,
         typer.Option("--await", metavar="ROLE", help="controller or recorder: start once it is there."),
     ] = None,
-    patience: Annotated[float, typer.Option(help="Seconds to wait for partners, and in lockstep for commands.")] = 10.0,
+    patience: Annotated[
+        float,
+        typer.Option(help="Seconds to wait for partners, and in lockstep for commands.", callback=seconds),
+    ] = 10.0,
     fifo: FIFO = False,
     quiet: QUIET = False,
     as_json: AS_JSON = False,
@@ -82,7 +87,7 @@ def controller(
     source: Annotated[
         int | None, typer.Option(help="Identity of this controller. [default: random]", show_default=False)
     ] = None,
-    patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
+    patience: PATIENCE = 10.0,
     fifo: FIFO = False,
     quiet: QUIET = False,
 ) -> None:

@@ -12,6 +12,7 @@ from bridge.cli.options import (
     CONFIG,
     CONNECT,
     MODE,
+    PATIENCE,
     ProcessMode,
     nanoseconds,
 )
@@ -45,7 +46,7 @@ def record(
     fsync: Annotated[bool, typer.Option("--fsync", help="Have each chunk on the disk itself: for power cuts.")] = False,
     connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,
-    patience: Annotated[float, typer.Option(help="Seconds to wait for the plant to appear.")] = 10.0,
+    patience: PATIENCE = 10.0,
     as_json: AS_JSON = False,
 ) -> None:
     """Record everything on a rig's keys to an MCAP file until the plant ends.

@@ -14,6 +14,7 @@ from bridge.cli.options import (
     SCENARIO,
     Mode,
     address,
+    seconds,
 )
 from bridge.cli.outputs import print_json, write_text
 from bridge.errors import UsageError
@@ -46,7 +47,7 @@ def run(
         ),
     ] = None,
     patience: Annotated[
-        float, typer.Option(help="Seconds the plant waits for a partner or a lockstep command.")
+        float, typer.Option(help="Seconds the plant waits for a partner or a lockstep command.", callback=seconds)
     ] = 10.0,
 ) -> None:
     """Run a scenario and leave a recording, a picture and a summary.

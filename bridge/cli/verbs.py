@@ -17,6 +17,9 @@ Exit codes: 0 good, 1 the run or a check failed, 2 usage error.
 """
 
 
+SIGNED = ("remote",)  # verbs whose arguments may be negative numbers, which look like options
+
+
 class Commands(MutableMapping[str, Any]):
     """The commands by name, each built when it is looked up."""
 
@@ -51,7 +54,8 @@ def _command(name: str) -> Any:
     found = getattr(importlib.import_module(f"bridge.cli.{module}"), function)
     if not isinstance(found, typer.Typer):
         alone = typer.Typer(add_completion=False, rich_markup_mode="rich", pretty_exceptions_enable=False)
-        alone.command(name, cls=VerbCommand, rich_help_panel=panel)(found)
+        settings = {"ignore_unknown_options": name in SIGNED}
+        alone.command(name, cls=VerbCommand, rich_help_panel=panel, context_settings=settings)(found)
         found = alone
     return typer.main.get_command(found)
 

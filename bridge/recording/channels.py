@@ -7,6 +7,8 @@ from mcap.records import Channel, Schema
 
 from bridge.wire.messages import TOPICS
 
+ENCODING = "cdr"
+
 
 class ChannelFacts(NamedTuple):
     """What a file says of a channel."""
@@ -33,7 +35,13 @@ class Channels:
             self.schemas.setdefault(record.id, record)
         elif isinstance(record, Channel) and record.id not in self.channels:
             self.channels[record.id] = record
-            self.topics[record.id] = _below_rig(record.topic)
+            self.topics[record.id] = self._name(record)
+
+    def _name(self, channel: Channel) -> str:
+        """The topic below the rig's name if it is one of ours, by its type too; else its name in full."""
+        name, schema = _below_rig(channel.topic), self.schemas.get(channel.schema_id)
+        foreign = schema is not None and name in TOPICS and schema.name != TOPICS[name].type
+        return channel.topic if foreign or channel.message_encoding != ENCODING else name
 
     def facts(self) -> dict[str, ChannelFacts]:
         """What is known of each topic."""

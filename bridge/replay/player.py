@@ -14,6 +14,7 @@ from bridge.scenario.units import quantity
 from controller.grid import NS
 
 NAP = 0.005  # seconds, the longest in which nothing is heeded
+FURTHEST = 1e9  # [s], of a recorded time
 
 
 class Order(NamedTuple):
@@ -39,10 +40,10 @@ class Player:
             "resume": lambda _, now: self.timeline.resume(now),
             "toggle": lambda _, now: (self.timeline.resume if self.timeline.paused else self.timeline.pause)(now),
             "step": lambda _, now: self._emit(self.timeline.step(now)),
-            "seek": lambda value, now: self.timeline.seek(round(quantity(value, "s") * NS), now),
-            "skip": lambda value, now: self.timeline.seek(self.timeline.time(now) + round(float(value) * NS), now),
+            "seek": lambda value, now: self.timeline.seek(_time("seek", value), now),
+            "skip": lambda value, now: self.timeline.seek(self.timeline.time(now) + _time("skip", value), now),
             "speed": lambda value, now: self.timeline.set_speed(speed_of(value), now),
-            "faster": lambda value, now: self.timeline.set_speed(self.timeline.speed * float(value), now),
+            "faster": lambda value, now: self.timeline.set_speed(self.timeline.speed * speed_of(value), now),
             "status": lambda *_: None,
             "quit": lambda *_: self.stop(),
         }
@@ -103,6 +104,14 @@ class Player:
             order.answer.set_result(self.status())
         except (ValueError, UsageError) as error:
             order.answer.set_result(self.status() | {"error": str(error)})
+
+
+def _time(verb: str, text: str) -> int:
+    """A time that a verb takes, such as '1.2 s' [ns]. Raises ValueError."""
+    seconds = quantity(text, "s")
+    if not abs(seconds) < FURTHEST:
+        raise ValueError(f"{verb} {text!r}: take seconds, a number below {FURTHEST:g}")
+    return round(seconds * NS)
 
 
 def speed_of(text: str) -> float:

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 from bridge.scenario.circuit import circuit_of, rest_of, supply_of
 from bridge.scenario.model import Scenario
+from bridge.scenario.reach import reference_warnings
 from bridge.scenario.units import SHOWN, UNITS
 from twin.circuit.equilibrium import SupplyAtRest
 from twin.circuit.limits import limits, natural_frequency, too_coarse
@@ -130,12 +131,16 @@ def step_rows(scenario: Scenario) -> list[tuple[str, str, str, str]]:
 
 
 def warnings(scenario: Scenario) -> list[str]:
-    """A sentence for each part that the scenario's step is too coarse for. Raises ScenarioError as `facts`."""
+    """What is likely a mistake: parts that the step is too coarse for, and how far the reference goes.
+
+    Raises ScenarioError as `facts`.
+    """
     circuit = circuit_of(scenario)
     rest_of(scenario)
     step = scenario.loop.step
-    return [
+    coarse = [
         f"loop.step {step * 1e6:g} us is too coarse for {limit.part} ({limit.what}, {limit.time * 1e3:.3g} ms): "
         f"at most {limit.step * 1e6:.3g} us; results are less accurate, see `hydrotwin convergence`"
         for limit in too_coarse(circuit)
     ]
+    return [*coarse, *reference_warnings(scenario)]

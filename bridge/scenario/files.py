@@ -12,6 +12,7 @@ from bridge.scenario.law_file import with_place
 from bridge.scenario.units import quantity
 
 UNION_SECTIONS = ("controller", "reference")  # whose `kind` says what else stands in them
+NAMES = {list: "list", str: "text", int: "number", float: "number"}  # of what a JSON file may hold instead
 DURATION = 10.0  # [s] of a scenario that gives none
 
 
@@ -49,21 +50,27 @@ def plain(which: str) -> dict[str, Any]:
 
 def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
     """The plain data of a scenario, on top of what it extends: one, or several, each on top of those before."""
-    if which in extended_by:
-        raise ScenarioError(f"{which}: extends itself, by way of {', '.join(extended_by)}")
-    text, folder = _source(which)
+    text, folder, place = _source(which)
+    if place in extended_by:
+        raise ScenarioError(f"{which}: extends itself{_by_way_of(extended_by[extended_by.index(place) + 1 :])}")
     try:
         data = json.loads(text) if which.endswith(".json") else tomllib.loads(text)
     except ValueError as error:
         raise ScenarioError(f"{which}: cannot be read: {error}") from None
-    data = with_place(_with_tables(data, folder), folder)
+    if not isinstance(data, dict):
+        raise ScenarioError(f"{which}: holds a {NAMES.get(type(data), 'value')}; a scenario is a table of sections")
+    data = with_place(with_tables(data, folder), folder)
     bases = data.pop("extends", [])
     found: dict[str, Any] = {}
     for base in bases if isinstance(bases, list) else [bases]:
         beside = folder / str(base)
-        found = _merged(found, _read(str(beside) if beside.is_file() else str(base), (*extended_by, which)))
+        found = _merged(found, _read(str(beside) if beside.is_file() else str(base), (*extended_by, place)))
         found.pop("name", None)
     return _merged(found, data)
+
+
+def _by_way_of(places: tuple[str, ...]) -> str:
+    return f", by way of {', '.join(Path(place).name for place in places)}" if places else ""
 
 
 def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
@@ -85,12 +92,13 @@ def _of_kind(section: str, values: dict[str, Any], kind: Any) -> dict[str, Any]:
     return {key: value for key, value in values.items() if key in known(section, str(kind))}
 
 
-def _source(which: str) -> tuple[str, Path]:
+def _source(which: str) -> tuple[str, Path, str]:
+    """The text, the folder that its names of files start from, and the one place that it is, however written."""
     if which in names():
-        return (_built_in() / f"{which}.toml").read_text(encoding="utf-8"), Path()
+        return (_built_in() / f"{which}.toml").read_text(encoding="utf-8"), Path(), which
     path = Path(which)
     if path.is_file():
-        return _text(path), path.parent
+        return _text(path), path.parent, str(path.resolve())
     raise ScenarioError(f"{which}: no such scenario or file{nearest(which, names())}")
 
 
@@ -104,7 +112,7 @@ def _text(path: Path) -> str:
         raise ScenarioError(reason(error)) from None
 
 
-def _with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+def with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     """A reference's CSV file is read here, so that the scenario carries all it needs."""
     reference = data.get("reference")
     if isinstance(reference, dict) and isinstance(name := reference.get("csv"), str) and "\n" not in name:

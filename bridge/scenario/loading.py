@@ -2,10 +2,11 @@
 
 import copy
 from collections.abc import Collection, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bridge.errors import MisplacedError, ScenarioError, nearest
-from bridge.scenario.files import UNION_SECTIONS, apply, ordered, plain
+from bridge.scenario.files import UNION_SECTIONS, apply, ordered, plain, with_tables
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
@@ -21,7 +22,7 @@ def load(which: str, changes: list[str] | None = None) -> "Scenario":
     data = plain(which)
     for change in ordered(changes or []):
         apply(data, change)
-    return check(data, which)
+    return check(with_tables(data, Path()), which)
 
 
 def changed(data: dict[str, Any], changes: Collection[str], which: str) -> "Scenario":
@@ -29,7 +30,7 @@ def changed(data: dict[str, Any], changes: Collection[str], which: str) -> "Scen
     own = copy.deepcopy(data)
     for change in ordered(changes):
         apply(own, change)
-    return check(own, which)
+    return check(with_tables(own, Path()), which)
 
 
 def check(data: dict[str, Any], which: str) -> "Scenario":

@@ -19,6 +19,7 @@ from bridge.scenario.fields import (
     TickShare,
 )
 from bridge.scenario.files import DURATION
+from bridge.scenario.reach import refuse_far
 from bridge.scenario.references import Reference
 from controller.grid import NS, Sampling, sampling
 from twin.rig import RIG, Choice, Entry, values
@@ -152,6 +153,8 @@ class Scenario(Part):
             raise ValueError(
                 f"start.position {self.start.position} m lies outside the stroke, 0 to {self.rig.cylinder.stroke} m"
             )
+        if self.controller.follows:
+            refuse_far(self.reference.reference(), self.duration, self.rig.cylinder.stroke)
         if self.daq.skew > (most := max(SKEW, self.loop.step / (len(CHANNELS) - 1))):
             raise ValueError(f"daq.skew {self.daq.skew:g} s: at most {most:g} s, so that a scan ends within a step")
         self.controller.refuse_period(self.loop.sample_period)

@@ -63,9 +63,21 @@ def shown(unit: str, other: str = "") -> tuple[float, str]:
     return 1.0 / UNITS[unit][name].factor if unit in UNITS else 1.0, name
 
 
+SPELLED = str.maketrans(
+    {"\u00b5": "u", "\u03bc": "u", "\u2212": "-", "\u00b2": "^2", "\u00b3": "^3", "\u00b7": " ", "\u22c5": " "}
+)
+DEGREE = re.compile("[\u00b0\u00ba] ?C|\u2103")
+LITRE = re.compile(r"\bL\b")
+
+
+def spelled(text: str) -> str:
+    """A text with a unit as keyboards give it, in our spelling: micro, degrees, superscripts, a capital litre."""
+    return LITRE.sub("l", DEGREE.sub("degC", text).translate(SPELLED))
+
+
 def split(text: str) -> tuple[float, str]:
     """The number and the unit of a text such as "2.5 ms". Raises ValueError when there is no number."""
-    match = _NUMBER.fullmatch(text)
+    match = _NUMBER.fullmatch(spelled(text))
     if match is None:
         raise ValueError(f"cannot read {text!r}: write a number with a unit, such as '2.5 ms'")
     return float(match[1]), match[2]

@@ -23,6 +23,8 @@ def facts(kind: str, x: float, drop: float, rig: Values, speed: float = 0.0) -> 
     Raises ValueError for a lift that leaves no gap, and for a speed of the other seat.
     """
     density = rig["oil"]["density"]
+    if drop == 0.0:
+        raise ValueError("drop 0.0 Pa: without a pressure drop nothing flows; take another one")
     if kind == "chamfered":
         if speed:
             raise ValueError(f"--speed {speed:g} m/s: only the conical seat has a viscous force; leave it out")
