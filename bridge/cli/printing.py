@@ -73,7 +73,7 @@ def _counts(summary: "Summary") -> Iterable[str]:
         taken = "" if commands.taken is None else f", {commands.taken} taken"
         refused = ", ".join(f"{count} {reason}" for reason, count in commands.refused.items()) or "none"
         worst = f" (worst {commands.worst_lateness * 1e3:.2f} ms)" if commands.late else ""
-        yield f"commands   {commands.sent} sent{taken}, {commands.late} late{worst}; refused: {refused}"
+        yield f"commands   {commands.sent} recorded{taken}, {commands.late} late{worst}; refused: {refused}"
     lost = ", ".join(f"{count} {topic}" for topic, count in summary.lost.items()) or "none"
     yield f"lost       {lost}; safe states: {summary.safe_states}"
 

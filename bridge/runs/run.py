@@ -95,7 +95,7 @@ def shown(outcome: Outcome) -> Outcome:
     scenario, metrics = outcome.scenario, outcome.summary.metrics
     notes = [*outcome.notes, *timing_notes(scenario)]
     picture, refused = _picture(scenario, outcome.data)
-    point = operating_point(scenario, metrics)
+    point = None if outcome.options.external else operating_point(scenario, metrics)  # of the scenario's own law
     faults = [*outcome.faults, *refused]
     return outcome._replace(faults=faults, notes=notes, picture=picture, compared=True, stability=point)
 

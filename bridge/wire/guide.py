@@ -1,35 +1,55 @@
 """What somebody needs to know, beside the messages themselves, to write a controller in any language."""
 
 from bridge.wire.link import DEFAULT_ENDPOINT
+from bridge.wire.messages import Reason
 
 TOKEN = "alive/controller"  # below the rig's name, and before a number
 HEADER = "00 01 00 00"
+REASONS = ", ".join(Reason)
 
 GUIDE = f"""\
-Payloads are CDR, little endian: 4 bytes of header ({HEADER}), then the fields in order. All times are nanoseconds of
-simulated time, all other quantities SI. <rig> is `rig` unless the scenario's rig_name says otherwise.
+Payloads are CDR, little endian: 4 bytes of header ({HEADER}), then the fields in order. A number of n bytes is aligned
+to n, counted after the header; text is its length (uint32, with the closing NUL) and UTF-8; an array is its length
+(uint32) and its elements. In the `struct` formats 4x skips the header when reading; when writing put {HEADER} there.
+All times are nanoseconds of simulated time, all other quantities SI. <rig> is `rig` unless the scenario's rig_name says
+otherwise.
 
 A controller of your own, in any language that has Zenoh:
  1. Open a Zenoh session in client mode, connected to the plant's address: by default {DEFAULT_ENDPOINT}; the plant is
-    told another one with --listen. Wait for it: with `hydrotwin run --external` the plant starts with the command.
+    told another one with --listen. With `hydrotwin run --external` the plant starts with the command, and waits
+    --patience seconds for you. Until it listens opening fails: try again every 0.2 s.
  2. Subscribe to <rig>/measurement.
- 3. Query <rig>/scenario. The answer is JSON: run_id (text), mode, tick (where the run stands), and scenario. In
-    scenario.loop, in seconds: sample_period, offset and delay of the controller, daq_period (from measurement to
-    measurement) and step (of the simulation). scenario.reference is what the run is to follow, scenario.controller
-    the law that it is made for. Whoever starts later than the plant finds it the same way.
+ 3. Query <rig>/scenario. A query that ends without a reply means "not yet": the plant listens before it answers, so
+    repeat it; without an answer for 3 s close the session and open a new one. The answer is JSON: run_id (decimal, as
+    text), mode ("realtime" or "lockstep"), speed (simulated over wall time), tick (where the run stands) and scenario.
+    In scenario.loop, in seconds: sample_period, offset and delay of the controller, daq_period (from measurement to
+    measurement) and step (of the simulation). Whoever starts later than the plant finds it the same way.
+    scenario.reference is what the run is to follow: kind "constant" holds value [m]; "step" goes from start to end [m]
+    at the time `at` [s]; other kinds (square, ramp, sine, chirp, table) are in `hydrotwin schema`.
+    position runs from 0, lowest, to scenario.rig.cylinder.stroke. A spool of 1 is scenario.rig.valve.full_scale volts:
+    a gain of K V/% is spool = K * 100 * error / stroke / full_scale. The lands overlap by scenario.rig.valve.overlap,
+    a share of the spool's travel: so much does nothing, and the plant does not compensate for it.
  4. Declare the liveliness token <rig>/{TOKEN}/NUMBER, with any number of your own such as the process id. With
     `run --external` and with `plant --await controller` the plant waits for it. Undeclare it, or close, when you leave.
  5. Answer each measurement whose stamp is offset + i * sample_period, i = 0, 1, 2, .. with one message on
-    <rig>/command: run_id and stamp (as sample_stamp) of the measurement, source a random 64-bit number of your own,
-    sequence counting your commands from 0, apply_at = sample_stamp + delay, spool from -1 to 1; positive lifts.
-    In lockstep the plant waits for each of them; in real time they must come before apply_at.
- 6. Attach 16 bytes to each message, two numbers little endian (`struct` <qQ): the stamp that it answers (int64) and its
-    sequence (uint64). Without this a command and a reference are recorded all the same, anything else is not.
- 7. Publish on <rig>/reference what you steer to, with each command: the run is then judged against that. Without it
-    the run is judged against the scenario's own reference.
- 8. Read <rig>/event. `refused` with your source says why a command was not taken; `second controller` in it means that
-    the plant belongs to somebody else: leave. `safe`: the valve is centred, since no command came for
-    scenario.loop.command_timeout. Where that is latched, `hydrotwin reset` or 5 bytes ({HEADER} 00) on
-    <rig>/reset leave it.
- 9. The run is over when <rig>/status comes with role plant and another phase than running or safe.
+    <rig>/command: run_id and stamp (as sample_stamp) of the measurement, source a random 64-bit number of your own, not
+    0, sequence counting your commands from 0, apply_at = sample_stamp + delay, spool from -1 to 1; positive lifts.
+    In lockstep the plant waits for each of them, --patience seconds: publish with congestion control "block". In real
+    time a command should come before apply_at: a later one still acts, at once, and counts as late; one older than that
+    in force is refused as stale. So after a stall answer the newest sample alone. Publish with the congestion control
+    that stands above under "in real time".
+ 6. Attach 16 bytes to each message, two numbers little endian (`struct` <qQ): the stamp of the measurement that it
+    answers (int64) and the sequence that stands in the message (uint64). Without this a command and a reference are
+    recorded all the same, messages of other types are not.
+ 7. Publish on <rig>/reference what you steer to, with each command and with its run_id, source, sequence and the
+    measurement's stamp: the run is then judged against that. Without it the run is judged against the scenario's own
+    reference. You need not publish a status.
+ 8. Read <rig>/event. `refused` with your source says why a command was not taken: {REASONS}. The first of a kind is an
+    event, further ones are only counted. `second controller` means that the plant belongs to somebody else: leave.
+    `safe`: the valve is centred, since no command came for scenario.loop.command_timeout; the first command of all
+    ends that, and later ones too, unless scenario.loop.after_timeout is "latch": then every command is refused until
+    somebody says reset, `hydrotwin reset` or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment; the sequence
+    goes on counting.
+ 9. The run is over when <rig>/status comes with role plant and another phase than running or safe. If the plant dies no
+    status comes: its liveliness token <rig>/alive/plant/* is gone then.
 """

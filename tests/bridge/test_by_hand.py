@@ -18,7 +18,8 @@ from bridge.wire.bus import STAMP
 from bridge.wire.codec import encode
 from bridge.wire.guide import GUIDE, TOKEN
 from bridge.wire.link import DEFAULT_ENDPOINT, free_endpoint
-from bridge.wire.messages import TOPICS
+from bridge.wire.messages import TOPICS, Reason
+from controller.law import per_metre
 from tests.support.processes import ROOT, hydrotwin, listening, started, wait_for
 
 
@@ -93,9 +94,20 @@ def test_the_guide_to_a_controller_of_ones_own_is_true():
     assert struct.calcsize("<qQ") == STAMP.size == 16
     assert "struct` <qQ" in GUIDE
     named = {word.partition("/")[2].strip(":;,.") for word in GUIDE.split() if word.startswith("<rig>/")}
-    assert named - set(TOPICS) == {"scenario", f"{TOKEN}/NUMBER"}
-    loop = load("step").model_dump()["loop"]
-    assert {"sample_period", "offset", "delay", "daq_period", "step", "command_timeout"} <= set(loop)
+    assert named - set(TOPICS) == {"scenario", f"{TOKEN}/NUMBER", "alive/plant/*"}
+    assert all(reason in GUIDE for reason in Reason)
+    scenario = load("step").model_dump()
+    keys = {"sample_period", "offset", "delay", "daq_period", "step", "command_timeout", "after_timeout"}
+    assert keys <= set(scenario["loop"])
+    assert {"stroke", "full_scale", "overlap"} <= {*scenario["rig"]["cylinder"], *scenario["rig"]["valve"]}
+
+
+def test_the_guide_s_gain_in_volts_is_the_scenario_s():
+    """K V/% is K * 100 / stroke / full_scale [1/m]."""
+    rig = load("step").rig
+    assert per_metre(0.7, rig.cylinder.stroke, rig.valve.full_scale) == pytest.approx(
+        0.7 * 100.0 / rig.cylinder.stroke / rig.valve.full_scale
+    )
 
 
 def test_a_narrator_says_who_joins_and_leaves_once():
