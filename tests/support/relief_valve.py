@@ -8,12 +8,13 @@ from scipy.optimize import brentq
 
 from twin.kernel import allocating_kernel
 from twin.oil import Oil
+from twin.relief.motion import begin
 from twin.relief.valve import (
     SHUT,
     Relief,
     ReliefState,
     relief,
-    relieve,
+    step_valve,
 )
 
 BAR, LITRE_PER_MINUTE = 1e5, 1e-3 / 60.0
@@ -67,10 +68,11 @@ def valve(**numbers: float | str) -> Relief:
 def follow(s: ReliefState, flow: float, c: np.ndarray, z: float, step: float, valve: Relief) -> np.ndarray:
     """Rows of state, Q, p and substeps after each step; c at the ends of the steps."""
     rows = np.empty((len(c) - 1, 7))
+    m = begin(s, c[0] - z * flow, flow, valve, 0.0)
     for k in range(len(c) - 1):
-        s, flow, p, n = relieve(s, c[k], c[k + 1], z, flow, valve, step)
-        rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = s
-        rows[k, 4], rows[k, 5], rows[k, 6] = flow, p, n
+        m, n = step_valve(m, c[k], c[k + 1], z, valve, step)
+        rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = m.state
+        rows[k, 4], rows[k, 5], rows[k, 6] = m.flow, c[k + 1] - z * m.flow, n
     return rows
 
 

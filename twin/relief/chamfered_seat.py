@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from twin.oil import Oil
-from twin.relief.seat import is_laminar, laminar_conductance, pressure_stiffness, seat_damping, seat_flow
+from twin.relief.seat import is_laminar, laminar_conductance, opening_slope, pressure_stiffness, seat_damping, seat_flow
 from twin.seats.frustum import frustum_area
 
 
@@ -48,6 +48,14 @@ def _(seat: ChamferedSeat, lift: float) -> tuple[float, float]:
     conductance = seat.conductance * lift**seat.exponent
     narrowing = seat.area * seat.cosine / frustum_area(lift, seat.diameter, seat.sine, seat.cosine)
     return conductance, seat.area * (1.0 + conductance**2 * seat.head * (1.0 - narrowing))
+
+
+@opening_slope.register
+def _(seat: ChamferedSeat, lift: float, conductance: float, area: float) -> tuple[float, float]:
+    """By Q ~ x^n and A_pl ~ x, which holds at lifts much smaller than the seat."""
+    slope = seat.exponent * conductance / lift
+    widest = seat.area * conductance**2 * seat.head
+    return slope, ((2.0 * seat.exponent - 1.0) * (area - seat.area) + widest) / lift
 
 
 @laminar_conductance.register

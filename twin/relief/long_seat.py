@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from twin.kernel import kernel
-from twin.relief.seat import is_laminar, laminar_conductance, pressure_stiffness, seat_damping, seat_flow
+from twin.relief.seat import is_laminar, laminar_conductance, opening_slope, pressure_stiffness, seat_damping, seat_flow
 
 
 class LongSeat(NamedTuple):
@@ -64,6 +64,11 @@ def long_damping(lift: float, seat: LongSeat) -> float:
 @seat_flow.register
 def _(seat: LongSeat, lift: float) -> tuple[float, float]:
     return 0.0, long_area(lift, seat)
+
+
+@opening_slope.register
+def _(seat: LongSeat, lift: float, conductance: float, area: float) -> tuple[float, float]:
+    return 0.0, 0.0
 
 
 @laminar_conductance.register

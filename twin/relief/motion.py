@@ -1,7 +1,10 @@
 """How the two bodies of the relief valve move: a substep, its contacts, and how many substeps a step takes.
 
-The poppet takes the velocity Verlet rule: order 2, its lift explicit, its speed implicit in p2. The spool's speed is
-taken wholly at the end of the substep, since orifices damp it with 1e5 to 1e7 1/s; its lift by the trapezoidal rule.
+The poppet takes Numerov's rule, x1 - 2 x0 + x_1 = h^2 (a1 + 10 a0 + a_1)/12, so that its swing on spring and oil, whose
+damping is the small difference of large terms, has the phase of the equations to order 4. As a rule of one step:
+x1 = x0 + h u0 + h^2 (5 a0 + a1)/12, u1 = u0 + h (a0 + a1)/2; the lift is predicted with a0 for a1, and p2 corrects it.
+The speed that sweeps oil, u1 - h (a1 - a0)/12, is right to order 3. The spool, which orifices damp with 1e5 to 1e7 1/s,
+takes the backward rule of order 2, v1 - v0 = (v0 - v_1)/3 + 2 h a1/3, and x1 = x0 + h (5 v1 + 8 v0 - v_1)/12.
 Symbols and signs: `README.md`, after (2.35), (2.41) of the thesis. Lifts >= 0 from the seats.
 """
 
@@ -16,11 +19,12 @@ from twin.relief.network import (
     Poise,
     Push,
     Relief,
+    bent,
     meet,
     pilot_node,
 )
 from twin.relief.poppet import pilot_opening, poppet_drag, spring_force
-from twin.relief.seat import is_laminar, laminar_conductance, pressure_stiffness
+from twin.relief.seat import is_laminar, laminar_conductance, opening_slope, pressure_stiffness
 
 FINEST = 6.25e-6  # [s], shortest substep
 SHARE, LEAST = 0.2, 1e-6  # of its lift, and [m]: how far a substep may move the poppet
@@ -42,6 +46,8 @@ class Motion(NamedTuple):
     state: ReliefState
     y: float  # p2 as of `pilot_node`
     pilot_force: float  # [N], 0.0 while a stop takes it
+    spool_gain: float  # change of its speed in the last substep, per time [m/s^2]; 0.0 after a stop
+    rise: float  # of the line's c in the last step [Pa]
     pilot_oil: float  # stiffness of p2 against the poppet's lift, spool and inlet fixed [N/m]
     flow: float  # Q [m^3/s]
     filling: float  # into the oil before the pilot seat, C p2' [m^3/s]
@@ -54,8 +60,11 @@ def borne(force: float, lift: float, velocity: float, stops: Stops) -> float:
 
 
 @inlined
-def begin(s: ReliefState, p: float, flow: float, valve: Relief) -> Motion:
-    """Forces of a state at an inlet pressure, in closed form, the pressure before the pilot seat at rest."""
+def begin(s: ReliefState, p: float, flow: float, valve: Relief, rise: float = 0.0) -> Motion:
+    """Forces of a state at an inlet pressure, in closed form, the pressure before the pilot seat at rest.
+
+    rise: of the line's c in the step before [Pa].
+    """
     pilot, o = valve.pilot, valve.orifices
     conductance, area = pilot_opening(s.pilot_lift, pilot)
     pushed = valve.main.area * s.spool_velocity - pilot.area * s.pilot_velocity
@@ -63,7 +72,7 @@ def begin(s: ReliefState, p: float, flow: float, valve: Relief) -> Motion:
     p2 = y * abs(y) if conductance > 0.0 else y
     force = area * p2 - spring_force(s.pilot_lift, pilot) - poppet_drag(s.pilot_lift, pilot) * s.pilot_velocity
     oil = oil_stiffness(y, s.pilot_lift, conductance, area, conductance * y - pushed, valve)
-    return Motion(s, y, borne(force, s.pilot_lift, s.pilot_velocity, pilot.stops), oil, flow, 0.0)
+    return Motion(s, y, borne(force, s.pilot_lift, s.pilot_velocity, pilot.stops), 0.0, rise, oil, flow, 0.0)
 
 
 @inlined
@@ -74,30 +83,32 @@ def oil_stiffness(y: float, lift: float, conductance: float, area: float, flow: 
 
 
 @inlined
-def move_spool(y: float, m: Motion, poise: Poise, c: float, z: float, h: float, valve: Relief) -> tuple[float, End]:
-    """Lift of the spool and the rest of the end of a substep, with its stops."""
+def move_spool(
+    y: float, m: Motion, poise: Poise, c: float, z: float, h: float, valve: Relief
+) -> tuple[float, float, End]:
+    """Lift of the spool, its gain of speed and the rest of the end of a substep, with its stops."""
     main, x, v = valve.main, m.state.spool_lift, m.state.spool_velocity
-    inertia = main.mass / h
-    free = Push(x, v, inertia, 0.5 * h)
+    inertia, known = 1.5 * main.mass / h, (7.0 * v + h * m.spool_gain) / 12.0
+    free = Push(x + h * known, v + h * m.spool_gain / 3.0, inertia, 5.0 / 12.0 * h)
     resting = v == 0.0 and (x <= 0.0 or x >= main.stops.stroke)
     push, stop = (Push(x, 0.0, inertia, 0.0) if resting else free), x
     while True:
         end = meet(y, push.velocity, poise, push, c, z, valve)
-        if push.half > 0.0:
-            mean = 0.5 * (v + end.spool_velocity)
+        if push.share > 0.0:
+            mean = known + 5.0 / 12.0 * end.spool_velocity
             then, rebound = travel(x, mean, main.stops, h)
             if rebound == mean:
-                return then, end
+                return then, (end.spool_velocity - v) / h, end
             stop, resting = (0.0 if mean < 0.0 else main.stops.stroke), False
             push = Push(then, rebound, inertia, 0.0)
         elif resting:
             if stopped(x, end.spool_force, main.stops) == 0.0:
-                return x, end
+                return x, 0.0, end
             push = free
         elif push.velocity != 0.0 and 2.0 * inertia * abs(push.velocity) < abs(end.spool_force):
             push = Push(stop, 0.0, inertia, 0.0)
         else:
-            return push.lift, end
+            return push.lift, 0.0, end
 
 
 @inlined
@@ -128,26 +139,50 @@ def substep(m: Motion, c: float, z: float, h: float, valve: Relief) -> Motion:
     lift, half_way, left = fly(s.pilot_lift, s.pilot_velocity, m.pilot_force / pilot.mass, pilot.stops, h)
     conductance, area = pilot_opening(lift, pilot)
     drag = poppet_drag(lift, pilot)
-    gain = 0.5 * left / (pilot.mass + 0.5 * left * drag)
-    coasting = half_way - gain * (spring_force(lift, pilot) + drag * half_way)
+    flown = left == h and 0.0 < lift < pilot.stops.stroke
+    stiff, laminar = absorbed_per_pressure(valve.channel, h), laminar_conductance(pilot.seat, lift)
     turbulent = not is_laminar(pilot.seat)
     before = m.y * abs(m.y) if turbulent and s.pilot_lift > 0.0 else m.y
-    stiff, laminar = absorbed_per_pressure(valve.channel, h), laminar_conductance(pilot.seat, lift)
-    poise = Poise(lift, conductance, coasting, gain * area, stiff + laminar, stiff * before + m.filling)
+    bending, lagging = (h * h / 12.0, -h / 12.0) if flown else (0.0, 0.0)
+    widening, area_slope = opening_slope(pilot.seat, lift, conductance, area) if flown else (0.0, 0.0)
+    stiffness = pilot.stiffness - area_slope * (before if s.pilot_lift > 0.0 else 0.0)
+    per_force = 1.0 / (pilot.mass + 0.5 * left * drag + stiffness * bending)
+    gained = m.pilot_force / pilot.mass
+    gain = (stiffness * bending * gained - spring_force(lift, pilot) - drag * half_way) * per_force
+    per_pressure = area * per_force
+    poise = Poise(
+        lift=lift,
+        conductance=conductance,
+        widening=widening,
+        coasting=half_way + 0.5 * left * gain,
+        yielding=0.5 * left * per_pressure,
+        bend=bending * (gain - gained),
+        bending=bending * per_pressure,
+        lag=lagging * (gain - gained),
+        lagging=lagging * per_pressure,
+        absorbed=stiff + laminar,
+        released=stiff * before + m.filling,
+    )
     y = m.y
     if turbulent and s.pilot_lift <= 0.0 and lift > 0.0:
         y = math.copysign(math.sqrt(abs(y)), y)
     elif turbulent and s.pilot_lift > 0.0 and lift <= 0.0:
         y = y * abs(y)
-    x, end = move_spool(y, m, poise, c, z, h, valve)
+    x, spool_gain, end = move_spool(y, m, poise, c, z, h, valve)
     p2 = end.y * abs(end.y) if turbulent and lift > 0.0 else end.y
-    force = area * p2 - spring_force(lift, pilot) - drag * end.pilot_velocity
+    correction = bent(p2, poise)
+    there = min(lift + correction, pilot.stops.stroke)
+    force = area * p2 - spring_force(lift, pilot) - stiffness * (there - lift) - drag * end.pilot_velocity
+    force = borne(force, there, end.pilot_velocity, pilot.stops)
+    conductance += poise.widening * correction
     through = conductance * end.y + pilot.area * end.pilot_velocity - valve.main.area * end.spool_velocity
     return Motion(
-        ReliefState(lift, end.pilot_velocity, x, end.spool_velocity),
+        ReliefState(there, end.pilot_velocity, x, end.spool_velocity),
         end.y,
-        borne(force, lift, end.pilot_velocity, pilot.stops),
-        oil_stiffness(end.y, lift, conductance, area, through, valve),
+        force,
+        spool_gain,
+        m.rise,
+        oil_stiffness(end.y, there, conductance, area, through, valve),
         end.flow,
         stiff * (p2 - before) - m.filling if is_compressible(valve.channel) else 0.0,
     )
@@ -169,3 +204,9 @@ def substeps(m: Motion, c_change: float, step: float, valve: Relief) -> int:
     if reach <= allowed and turns <= SWING * SWING:
         return 1
     return math.ceil(min(max(reach / allowed, math.sqrt(turns) / SWING), step / FINEST))
+
+
+@inlined
+def with_rise(m: Motion, rise: float) -> Motion:
+    """The same at the end of a step in which c rose by so much [Pa]."""
+    return Motion(m.state, m.y, m.pilot_force, m.spool_gain, rise, m.pilot_oil, m.flow, m.filling)

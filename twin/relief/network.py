@@ -30,6 +30,7 @@ from twin.relief.poppet import Poppet
 from twin.relief.seat import is_laminar
 
 ITERATIONS = 8
+BENT = 0.25  # of its lift: how far p2 may correct the poppet's lift within a substep
 CLOSE_SPEED, CLOSE_ROOT = 1e-4, 1e-3  # [m/s] and relative: a smaller correction is the last, its error is of its square
 
 
@@ -90,12 +91,17 @@ def pilot_node(p: float, pushed: float, conductance: float, orifices: Orifices, 
 
 
 class Poise(NamedTuple):
-    """The poppet at the end of a substep: its lift is known, its speed follows from p2."""
+    """The poppet at the end of a substep: its lift but for a small correction is known, the rest follows from p2."""
 
-    lift: float  # [m]
-    conductance: float  # R [m^3/(s sqrt(Pa))]
+    lift: float  # predicted [m]
+    conductance: float  # R there [m^3/(s sqrt(Pa))]
+    widening: float  # dR/dx there
     coasting: float  # speed without p2 [m/s]
     yielding: float  # speed gained per p2 [m/(s Pa)]
+    bend: float  # correction of the lift without p2 [m]
+    bending: float  # gained per p2 [m/Pa]
+    lag: float  # correction, without p2, of the speed at which the poppet sweeps oil [m/s]
+    lagging: float  # gained per p2 [m/(s Pa)]
     absorbed: float  # what leaves the node per p2, through a laminar seat and into its oil [m^3/(s Pa)]
     released: float  # less this [m^3/s]
 
@@ -103,10 +109,10 @@ class Poise(NamedTuple):
 class Push(NamedTuple):
     """The spool at the start of a substep."""
 
-    lift: float  # [m]
-    velocity: float  # v [m/s]
-    inertia: float  # m/h [N s/m]
-    half: float  # h/2 [s]; 0.0 for a spool whose end is given
+    lift: float  # at the end but for what the end's speed adds [m]
+    velocity: float  # v that no force would change [m/s]
+    inertia: float  # 3 m/(2 h) [N s/m]
+    share: float  # lift per speed at the end, 5 h/12 [s]; 0.0 for a spool whose end is given
 
 
 class Look(NamedTuple):
@@ -136,17 +142,29 @@ class End(NamedTuple):
 
 
 @inlined
+def bent(p2: float, poise: Poise) -> float:
+    """Correction of the poppet's lift [m], at most a share of it."""
+    most = BENT * poise.lift
+    return min(max(poise.bend + poise.bending * p2, -most), most)
+
+
+@inlined
 def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve: Relief) -> Look:
     """The equations at a guess. The inlet's p + z k sqrt(p) = c - z q is solved for s = sqrt(p) in closed form."""
     pilot, main, orifices = valve.pilot, valve.main, valve.orifices
-    lift = push.lift + push.half * (push.velocity + v)
+    lift = push.lift + push.share * v
     seat = mouth(lift, main)
-    k_v = push.half * seat.conductance_slope
+    k_v = push.share * seat.conductance_slope
     p2, p2_y = (y * abs(y), 2.0 * abs(y)) if poise.conductance > 0.0 else (y, 1.0)
     free = poise.coasting + poise.yielding * p2
     u = stopped(poise.lift, free, pilot.stops)
-    u_y = poise.yielding * p2_y if u == free else 0.0
-    q, q_y = poise.conductance * y + pilot.area * u, poise.conductance + pilot.area * u_y
+    u_y, swept, swept_y = 0.0, u, 0.0
+    if u == free:
+        u_y = poise.yielding * p2_y
+        swept, swept_y = u + poise.lag + poise.lagging * p2, u_y + poise.lagging * p2_y
+    wide = poise.conductance + poise.widening * bent(p2, poise)
+    wide_y = wide + poise.widening * poise.bending * p2_y * y
+    q, q_y = wide * y + pilot.area * swept, wide_y + pilot.area * swept_y
     if is_laminar(pilot.seat) or is_compressible(valve.channel):
         q, q_y = q + (poise.absorbed * p2 - poise.released), q_y + poise.absorbed * p2_y
     e, zk = c - z * q, z * seat.conductance
@@ -165,7 +183,7 @@ def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve
         node_v=-stiff_12 * main.area - p_v,
         force=seat.area * p - main.area * p3 - spool_spring(lift, main) - drag * v,
         force_y=seat.area * p_y - main.area * p2_y,
-        force_v=seat.area * p_v - main.area**2 * stiff_3 - drag + push.half * (seat.area_slope * p - main.stiffness),
+        force_v=seat.area * p_v - main.area**2 * stiff_3 - drag + push.share * (seat.area_slope * p - main.stiffness),
         pilot_velocity=u,
         pilot_velocity_y=u_y,
         flow=seat.conductance * s + q,
@@ -187,7 +205,7 @@ def meet(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve
         at = look(y, v, poise, push, c, z, valve)
         iterations += 1
         per_node = 1.0 / at.node_y
-        if push.half > 0.0:
+        if push.share > 0.0:
             error = push.inertia * (v - push.velocity) - at.force
             determinant = at.node_y * (push.inertia - at.force_v) + at.node_v * at.force_y
             determinant = max(determinant, 0.5 * at.node_y * push.inertia)

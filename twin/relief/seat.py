@@ -16,6 +16,12 @@ def seat_flow(seat: Any, lift: float) -> tuple[float, float]:
 
 
 @by_type
+def opening_slope(seat: Any, lift: float, conductance: float, area: float) -> tuple[float, float]:
+    """Slopes over the lift of what `seat_flow` gives at a lift > 0; 0.0 for a seat whose substeps are the finest."""
+    raise TypeError(f"{seat} is not a seat")
+
+
+@by_type
 def laminar_conductance(seat: Any, lift: float) -> float:
     """G [m^3/(s Pa)] of a flow Q = G p2 at a lift; 0.0 for a seat that is shut or whose flow is R sqrt(p2)."""
     raise TypeError(f"{seat} is not a seat")

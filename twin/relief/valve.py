@@ -18,11 +18,13 @@ from twin.relief.motion import (
     begin,
     substep,
     substeps,
+    with_rise,
 )
 from twin.relief.network import Relief, orifices
 from twin.relief.poppet import cracking_pressure, poppet
 
 SHUT = ReliefState(0.0, 0.0, 0.0, 0.0)
+CURVE = 0.3e5  # [Pa], most that c may turn within a step: what turns it more is a corner, and no swing of the pilot
 
 
 def relief(sizes: Mapping[str, Any], oil: Oil) -> Relief:
@@ -40,18 +42,24 @@ def shut(s: ReliefState) -> bool:
 
 @inlined
 def step_valve(m: Motion, c_before: float, c_after: float, z: float, valve: Relief, step: float) -> tuple[Motion, int]:
-    """The valve a step [s] later, and the number of substeps; c goes straight from c_before to c_after."""
+    """The valve a step [s] later, and the number of substeps.
+
+    Between them c follows the parabola through c_before, c_after and the value a step earlier: a straight line is
+    2 % short of a swing of 1.6 kHz at 50 us. At a corner of c it is straight but for `CURVE`.
+    """
     if shut(m.state) and not is_compressible(valve.channel):
         if max(c_before, c_after) <= cracking_pressure(valve.pilot):
-            return Motion(m.state, m.y, m.pilot_force, m.pilot_oil, 0.0, 0.0), 0
-        m = begin(m.state, c_before - z * m.flow, m.flow, valve)
+            rise = c_after - c_before
+            return Motion(m.state, m.y, m.pilot_force, 0.0, rise, m.pilot_oil, 0.0, 0.0), 0
+        m = begin(m.state, c_before - z * m.flow, m.flow, valve, m.rise)
     n = substeps(m, c_after - c_before, step, valve)
-    h, slope = step, 0.0
+    h, rise, bend = step / n, c_after - c_before, 0.0
     if n > 1:
-        h, slope = step / n, (c_after - c_before) / n
+        bend = min(max(0.5 * (rise - m.rise), -CURVE), CURVE)
     for left in range(n - 1, -1, -1):
-        m = substep(m, c_after - left * slope, z, h, valve)
-    return m, n
+        share = left / n
+        m = substep(m, c_after - share * (rise + (1.0 - share) * bend), z, h, valve)
+    return with_rise(m, rise), n
 
 
 @inlined
@@ -62,5 +70,6 @@ def relieve(
 
     flow_before: Q at the start, so that c_before - z flow_before is the inlet's pressure there.
     """
-    m, n = step_valve(begin(s, c_before - z * flow_before, flow_before, valve), c_before, c_after, z, valve, step)
+    m = begin(s, c_before - z * flow_before, flow_before, valve, c_after - c_before)
+    m, n = step_valve(m, c_before, c_after, z, valve, step)
     return m.state, m.flow, c_after - z * m.flow, n
