@@ -7,8 +7,6 @@ import pytest
 
 from bridge.figures.valve.spectrum import (
     heard,
-    pushed,
-    rig_of,
     theory,
 )
 from tests.support.relief_valve import (
@@ -200,21 +198,6 @@ def test_theory_refuses_what_it_has_not():
         swing(40 * BAR, 0.0, set_to(67.0, channel_volume=CM3))
     with pytest.raises(ValueError, match="needs 10000 of them"):
         spectrum(np.zeros(100), 25e-6)
-
-
-@pytest.mark.parametrize(("volume", "sign"), [(10.0, -1.0), (20.0, 1.0)])
-def test_a_pilot_that_chatters_in_theory_chatters_in_the_rig(volume: float, sign: float):
-    """Theory with both lines as they are, exact and laminar, on both sides of its edge; small swings of the rig."""
-    growth, frequency = theory("chamfered pilot", volume * CM3)
-    assert growth * sign > 0.0
-    circuit = rig_of("chamfered pilot", ripple=False, volume=volume * CM3)
-    x = shake(pushed(circuit, 1.0005), circuit, 50e-3, settle=20e-3).pilot_lift
-    x = x - x.mean()
-    up = np.flatnonzero((x[:-1] < 0.0) & (x[1:] >= 0.0))
-    at = up + x[up] / (x[up] - x[up + 1])
-    assert (len(at) - 1) / ((at[-1] - at[0]) * 25e-6) == pytest.approx(frequency, rel=3e-3)
-    found = math.log(np.ptp(x[-300:]) / np.ptp(x[:300])) / ((len(x) - 300) * 25e-6)
-    assert found == pytest.approx(growth, abs=8.0)
 
 
 def test_in_the_rig_the_housing_hears_the_chattering_pilot_alone():

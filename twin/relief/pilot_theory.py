@@ -75,20 +75,26 @@ def valve_matrix(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
     """
     if isinstance(valve.channel, IncompressibleOil):
         raise ValueError("the oil before the pilot is incompressible: take a relief.channel_volume above 0")
-    s, pilot, main, C = _slopes(pressure, valve), valve.pilot, valve.main, valve.channel.capacity
+    matrix = balances(pressure, z, valve)
+    matrix[2] /= valve.channel.capacity
+    return matrix
+
+
+def balances(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
+    """The same, but its third row is what fills the oil before the pilot, C p2' [m^3/s]: C may be zero."""
+    s, pilot, main = _slopes(pressure, valve), valve.pilot, valve.main
     spool = rest(pressure, valve).spool_lift
     seat, root = mouth(spool, main), math.sqrt(pressure)
     through = seat.conductance / (2.0 * root)  # dQ_m/dp
     inlet = z / (1.0 + z * (through + s.supply))  # p falls by this times what more is drawn
     by_p2, by_spool, by_speed = inlet * s.supply, -inlet * seat.conductance_slope * root, -inlet * main.area
-    g = s.supply / C
+    g = s.supply
     matrix = np.zeros((5, 5), type(z))
     matrix[0, 1] = matrix[3, 4] = 1.0
     drag = poppet_drag(s.lift, pilot)
     matrix[1, :3] = -s.stiffness / pilot.mass, -drag / pilot.mass, s.area / pilot.mass
     matrix[2] = (
-        -s.by_lift / C, -pilot.area / C, g * (by_p2 - 1.0) - s.by_pressure / C, g * by_spool,
-        g * by_speed + main.area / C,
+        -s.by_lift, -pilot.area, g * (by_p2 - 1.0) - s.by_pressure, g * by_spool, g * by_speed + main.area,
     )  # fmt: skip
     stiff = main.stiffness - seat.area_slope * pressure
     slow = main.area**2 * valve.orifices.b_3 + spool_drag(root, main)
@@ -115,11 +121,13 @@ def swings_with_lines(pressure: float, impedance: Impedance, valve: Relief) -> l
     impedance: Z(s) [Pa s/m^3] of the lines at the inlet. Roots of det(s - M(Z(s))) by the secant rule from a start
     every 20 Hz: the lines' own modes are among them, and which of them the pilot takes up is theirs to decide.
     """
-    size = np.linalg.norm(valve_matrix(pressure, 0.0, valve))
+    capacity = valve.channel.capacity if isinstance(valve.channel, CompressibleOil) else 0.0
+    still = balances(pressure, 0.0, valve)
+    inertia = np.diag([1.0, 1.0, capacity, 1.0, 1.0][: len(still)])
+    scale = 1.0 / np.abs(still).max(axis=1, keepdims=True)
 
     def characteristic(s: complex) -> complex:
-        matrix = valve_matrix(pressure, complex(impedance(s)), valve)
-        return complex(np.linalg.det((s * np.eye(len(matrix)) - matrix) / size))
+        return complex(np.linalg.det((s * inertia - balances(pressure, complex(impedance(s)), valve)) * scale))
 
     found: list[complex] = []
     for start in 2.0 * math.pi * np.arange(1000.0, 3000.0, 20.0):

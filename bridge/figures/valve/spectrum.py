@@ -6,7 +6,7 @@ chamfered pilot, at work with the conical one; 20 cm^3 of oil before the pilot (
 
 import math
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from bridge.drawing.canvas import (
     sheet,
 )
 from twin.circuit.build import build
-from twin.circuit.equilibrium import equilibrium, supply_at_rest
+from twin.circuit.equilibrium import equilibrium
 from twin.circuit.housing import (
     Shaken,
     reaction,
@@ -28,10 +28,9 @@ from twin.circuit.housing import (
     spectrum,
     thrust,
 )
+from twin.circuit.pilot_swing import pilot_swings
 from twin.circuit.state import State
 from twin.circuit.step import Circuit
-from twin.lines.theory import losses
-from twin.relief.pilot_theory import swings_with_lines
 from twin.rig import values
 
 STEP = 25e-6  # [s]
@@ -56,13 +55,18 @@ class Heard(NamedTuple):
     whole: Array  # with the thrust of the inlet's pressure
 
 
-def rig_of(case: str, ripple: bool, volume: float = VOLUME) -> Circuit:
-    """The circuit of a case."""
+def numbers(case: str, ripple: bool, volume: float = VOLUME) -> dict[str, dict[str, Any]]:
+    """The rig's numbers in a case."""
     parts = {name: dict(entries) for name, entries in CASES[case].items()}
     parts["relief"] |= {"channel_volume": volume}
     parts |= LINES
     parts["pump"] = {"ripple": "teeth" if ripple else "none"}
-    return build(values(parts), STEP)
+    return values(parts)
+
+
+def rig_of(case: str, ripple: bool, volume: float = VOLUME) -> Circuit:
+    """The circuit of a case."""
+    return build(numbers(case, ripple, volume), STEP)
 
 
 def pushed(circuit: Circuit, share: float = PUSH) -> State:
@@ -86,25 +90,9 @@ def heard(case: str, ripple: bool) -> Heard:
     return Heard(run, frequency, alone, spectrum(bodies + thrust(run, bore, housing), STEP)[1])
 
 
-def tee_impedance(s: complex, circuit: Circuit) -> complex:
-    """Z(s) at the tee: line 1 from the pump, which leaks, and line 2 to the shut valve, exact and laminar."""
-    lines, oil = circuit.lines, circuit.parts.oil
-    whole = 0.0 + 0.0j
-    for line, far in ((0, circuit.parts.pump.leakage), (1, 0.0)):
-        z0, travel = float(lines.z0[line]), float(lines.travel_time[line])
-        diameter = values()[f"pipe_{line + 1}"]["diameter"]
-        n = np.sqrt(losses(np.complex128(s), diameter**2 / (4.0 * oil.viscosity), "unsteady"))
-        through = np.tanh(s * travel * n)
-        y = 1.0 / (z0 * n)
-        whole += y * (far + y * through) / (y + far * through)
-    return complex(1.0 / whole)
-
-
 def theory(case: str, volume: float = VOLUME) -> tuple[float, float]:
     """Growth [1/s] and frequency [Hz] at rest by linear theory with both lines."""
-    circuit = rig_of(case, ripple=False, volume=volume)
-    tee = supply_at_rest(circuit).tee
-    return swings_with_lines(tee, lambda s: tee_impedance(s, circuit), circuit.parts.relief)[0]
+    return pilot_swings(numbers(case, False, volume), rig_of(case, ripple=False, volume=volume))[0]
 
 
 def draw_spectrum() -> tuple[Columns, Sheet]:
