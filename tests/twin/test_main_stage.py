@@ -5,7 +5,7 @@ import math
 import pytest
 
 from tests.support.relief_valve import BAR, valve
-from twin.relief.main_stage import mouth
+from twin.relief.main_stage import main_opening
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ def test_the_damping_of_the_spool_is_as_printed(numbers: dict[str, float], film:
 def test_the_thrust_on_the_open_spool_is_as_corrected():
     """At 4 mm, 26 mm: A_out/A = 0.40167; with Cd 0.8 and the linearised 0.43514 the thesis prints 0.8485."""
     main = valve(spool_discharge=0.8).main
-    seat = mouth(4e-3, main)
+    seat = main_opening(4e-3, main)
     opening = seat.conductance / main.jet / main.area
     assert opening == pytest.approx(0.40167, abs=5e-6)
     assert seat.area / main.area == pytest.approx(1 + 2 * 0.64 * opening * (opening - math.sqrt(0.5)), rel=1e-12)
@@ -43,6 +43,6 @@ def test_frequency_and_critical_damping_are_as_printed():
 
 def test_the_slopes_of_the_mouth_are_those_of_its_values():
     main = valve().main
-    below, at, above = (mouth(x, main) for x in (1e-3 - 1e-8, 1e-3, 1e-3 + 1e-8))
+    below, at, above = (main_opening(x, main) for x in (1e-3 - 1e-8, 1e-3, 1e-3 + 1e-8))
     assert at.conductance_slope == pytest.approx((above.conductance - below.conductance) / 2e-8, rel=1e-7)
     assert at.area_slope == pytest.approx((above.area - below.area) / 2e-8, rel=1e-6)

@@ -27,7 +27,7 @@ from twin.circuit.housing import (
 from twin.kernel import allocating_kernel
 from twin.relief.channel import CompressibleOil
 from twin.relief.long_seat import LongSeat, long_area, long_conductance, long_damping
-from twin.relief.main_stage import mouth
+from twin.relief.main_stage import main_opening
 from twin.relief.motion import Motion, begin
 from twin.relief.pilot_theory import chatter_volumes, swing, valve_matrix
 from twin.relief.poppet import (
@@ -106,7 +106,7 @@ def test_the_matrix_is_the_slope_of_the_equations():
 
     def rates(y: np.ndarray) -> np.ndarray:
         x, u, p2, lift, speed = y
-        seat = mouth(lift, main)
+        seat = main_opening(lift, main)
         low, high, inlet, q1 = 0.5 * p, 1.5 * p, p, 0.0
         for _ in range(80):
             inlet = 0.5 * (low + high)

@@ -20,8 +20,8 @@ from tests.support.relief_valve import (
     valve,
 )
 from twin.contact import Stops
-from twin.relief.main_stage import mouth, spool_drag, spool_spring
-from twin.relief.motion import FINEST, fly
+from twin.relief.main_stage import main_opening, spool_drag, spool_spring
+from twin.relief.motion import FINEST, predict_lift
 from twin.relief.network import drop, pilot_node
 from twin.relief.poppet import pilot_opening, spring_force
 from twin.relief.steady import precompression_for, rest, steady_pressure
@@ -43,7 +43,8 @@ def varied(powers: list[float]) -> Relief:
 
 def network(s: ReliefState, c: float, z: float, v: Relief, swept: float | None = None) -> tuple[float, float, float]:
     """(Q, p, p2) of a state by brackets alone; swept: the speed at which the poppet sweeps oil, if not its own."""
-    o, conductance, k = v.orifices, pilot_opening(s.pilot_lift, v.pilot)[0], mouth(s.spool_lift, v.main).conductance
+    o, conductance = v.orifices, pilot_opening(s.pilot_lift, v.pilot)[0]
+    k = main_opening(s.spool_lift, v.main).conductance
     speed = s.pilot_velocity if swept is None else swept
     pushed = v.main.area * s.spool_velocity - v.pilot.area * speed
 
@@ -66,7 +67,7 @@ def rates(state: np.ndarray, c: float, z: float, v: Relief) -> np.ndarray:
         - spring_force(s.pilot_lift, v.pilot)
         - v.pilot.drag * s.pilot_velocity
     )
-    spool = mouth(s.spool_lift, v.main).area * p - v.main.area * p3 - spool_spring(s.spool_lift, v.main)
+    spool = main_opening(s.spool_lift, v.main).area * p - v.main.area * p3 - spool_spring(s.spool_lift, v.main)
     spool -= spool_drag(math.sqrt(p), v.main) * s.spool_velocity
     return np.array([s.pilot_velocity, pilot / v.pilot.mass, s.spool_velocity, spool / v.main.mass])
 
@@ -122,13 +123,13 @@ def test_an_impact_is_at_its_own_instant(x: float, speed: float, pull: float):
     instant = 2 * x / (speed + math.sqrt(speed**2 + 2 * pull * x))
     rebound = 0.5 * (speed + pull * instant)
     rest_of_it = 0.5 * rebound / max(pull, 1e-3)
-    lift, _, left = fly(x, -speed, -pull, stops, instant + rest_of_it)
+    lift, _, left = predict_lift(x, -speed, -pull, stops, instant + rest_of_it)
     assert left == pytest.approx(rest_of_it, rel=1e-6)
     assert lift == pytest.approx(rest_of_it * (rebound - 0.5 * pull * rest_of_it), rel=1e-6)
 
 
 def test_an_impact_whose_rebound_is_shorter_than_the_substep_is_dead():
-    assert fly(1e-7, -0.05, -1e4, Stops(1.0, 0.8, 0.0), 20e-6)[:2] == (0.0, 0.0)
+    assert predict_lift(1e-7, -0.05, -1e4, Stops(1.0, 0.8, 0.0), 20e-6)[:2] == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -53,9 +53,9 @@ def _(seat: ChamferedSeat, lift: float) -> tuple[float, float]:
 @opening_slope.register
 def _(seat: ChamferedSeat, lift: float, conductance: float, area: float) -> tuple[float, float]:
     """By Q ~ x^n and A_pl ~ x, which holds at lifts much smaller than the seat."""
-    slope = seat.exponent * conductance / lift
-    widest = seat.area * conductance**2 * seat.head
-    return slope, ((2.0 * seat.exponent - 1.0) * (area - seat.area) + widest) / lift
+    per_lift, widest = 1.0 / lift, seat.area * conductance**2 * seat.head
+    slope = seat.exponent * conductance * per_lift
+    return slope, ((2.0 * seat.exponent - 1.0) * (area - seat.area) + widest) * per_lift
 
 
 @laminar_conductance.register

@@ -1,7 +1,7 @@
 """Main stage of the relief valve: a spool with a chamfered seat, p below it, p3 above it, a soft spring.
 
 Symbols and signs: `README.md`, after (2.19), (2.21), corrected (2.30), (2.31), (2.35), (2.37) of the
-source. Lift x >= 0 from the seat, pressures gauge, tank at zero.
+thesis. Lift x >= 0 from the seat, pressures gauge, tank at zero.
 """
 
 import math
@@ -51,7 +51,7 @@ def main_stage(sizes: Mapping[str, Any], oil: Oil) -> MainStage:
     )
 
 
-class Mouth(NamedTuple):
+class MainOpening(NamedTuple):
     """The main seat at a lift."""
 
     conductance: float  # k [m^3/(s sqrt(Pa))] of Q = k sqrt(p)
@@ -61,14 +61,14 @@ class Mouth(NamedTuple):
 
 
 @inlined
-def mouth(lift: float, main: MainStage) -> Mouth:
+def main_opening(lift: float, main: MainStage) -> MainOpening:
     """Flow and lifting area, A (1 + 2 Cd^2 a (a - cos th)) with a = A_out/A, and their slopes; shut below zero."""
     if lift <= 0.0:
-        return Mouth(0.0, main.area, 0.0, 0.0)
+        return MainOpening(0.0, main.area, 0.0, 0.0)
     opening = frustum_area(lift, main.diameter, main.sine, main.cosine)
     widening = math.pi * main.sine * (main.diameter - 2.0 * lift * main.sine * main.cosine)
     level = main.area * main.cosine
-    return Mouth(
+    return MainOpening(
         main.jet * opening,
         main.area + main.momentum * opening * (opening - level),
         main.jet * widening,

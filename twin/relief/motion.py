@@ -15,13 +15,13 @@ from twin.contact import Stops, stopped, travel
 from twin.kernel import inlined
 from twin.relief.channel import absorbed_per_pressure, is_compressible
 from twin.relief.network import (
-    End,
-    Poise,
-    Push,
+    LEAST_OPENING,
+    PoppetEnd,
     Relief,
-    bent,
-    meet,
+    Solution,
+    SpoolEnd,
     pilot_node,
+    solve,
 )
 from twin.relief.poppet import pilot_opening, poppet_drag, spring_force
 from twin.relief.seat import is_laminar, laminar_conductance, opening_slope, pressure_stiffness
@@ -45,6 +45,7 @@ class Motion(NamedTuple):
 
     state: ReliefState
     y: float  # p2 as of `pilot_node`
+    y_rate: float  # its change in the last substep, per time; 0.0 where its meaning changed
     pilot_force: float  # [N], 0.0 while a stop takes it
     spool_gain: float  # change of its speed in the last substep, per time [m/s^2]; 0.0 after a stop
     rise: float  # of the line's c in the last step [Pa]
@@ -54,8 +55,8 @@ class Motion(NamedTuple):
 
 
 @inlined
-def borne(force: float, lift: float, velocity: float, stops: Stops) -> float:
-    """What is left of a force when a body at rest leans on a stop."""
+def unsupported(force: float, lift: float, velocity: float, stops: Stops) -> float:
+    """What is left of a force [N] when a body at rest leans on a stop."""
     return stopped(lift, force, stops) if velocity == 0.0 else force
 
 
@@ -72,7 +73,8 @@ def begin(s: ReliefState, p: float, flow: float, valve: Relief, rise: float = 0.
     p2 = y * abs(y) if conductance > 0.0 else y
     force = area * p2 - spring_force(s.pilot_lift, pilot) - poppet_drag(s.pilot_lift, pilot) * s.pilot_velocity
     oil = oil_stiffness(y, s.pilot_lift, conductance, area, conductance * y - pushed, valve)
-    return Motion(s, y, borne(force, s.pilot_lift, s.pilot_velocity, pilot.stops), 0.0, rise, oil, flow, 0.0)
+    force = unsupported(force, s.pilot_lift, s.pilot_velocity, pilot.stops)
+    return Motion(s, y, 0.0, force, 0.0, rise, oil, flow, 0.0)
 
 
 @inlined
@@ -84,35 +86,36 @@ def oil_stiffness(y: float, lift: float, conductance: float, area: float, flow: 
 
 @inlined
 def move_spool(
-    y: float, m: Motion, poise: Poise, c: float, z: float, h: float, valve: Relief
-) -> tuple[float, float, End]:
+    y: float, m: Motion, poppet: PoppetEnd, c: float, z: float, h: float, per_h: float, valve: Relief
+) -> tuple[float, float, Solution]:
     """Lift of the spool, its gain of speed and the rest of the end of a substep, with its stops."""
     main, x, v = valve.main, m.state.spool_lift, m.state.spool_velocity
-    inertia, known = 1.5 * main.mass / h, (7.0 * v + h * m.spool_gain) / 12.0
-    free = Push(x + h * known, v + h * m.spool_gain / 3.0, inertia, 5.0 / 12.0 * h)
+    gained, inertia = h * m.spool_gain, 1.5 * main.mass * per_h
+    known = (7.0 * v + gained) / 12.0
+    free = SpoolEnd(x + h * known, v + gained / 3.0, v + gained, inertia, 5.0 / 12.0 * h)
     resting = v == 0.0 and (x <= 0.0 or x >= main.stops.stroke)
-    push, stop = (Push(x, 0.0, inertia, 0.0) if resting else free), x
+    spool, stop = (SpoolEnd(x, 0.0, 0.0, inertia, 0.0) if resting else free), x
     while True:
-        end = meet(y, push.velocity, poise, push, c, z, valve)
-        if push.share > 0.0:
+        end = solve(y, poppet, spool, c, z, valve)
+        if spool.lift_per_speed > 0.0:
             mean = known + 5.0 / 12.0 * end.spool_velocity
             then, rebound = travel(x, mean, main.stops, h)
             if rebound == mean:
-                return then, (end.spool_velocity - v) / h, end
+                return then, (end.spool_velocity - v) * per_h, end
             stop, resting = (0.0 if mean < 0.0 else main.stops.stroke), False
-            push = Push(then, rebound, inertia, 0.0)
+            spool = SpoolEnd(then, rebound, rebound, inertia, 0.0)
         elif resting:
             if stopped(x, end.spool_force, main.stops) == 0.0:
                 return x, 0.0, end
-            push = free
-        elif push.velocity != 0.0 and 2.0 * inertia * abs(push.velocity) < abs(end.spool_force):
-            push = Push(stop, 0.0, inertia, 0.0)
+            spool = free
+        elif spool.velocity != 0.0 and 2.0 * inertia * abs(spool.velocity) < abs(end.spool_force):
+            spool = SpoolEnd(stop, 0.0, 0.0, inertia, 0.0)
         else:
-            return push.lift, 0.0, end
+            return spool.lift, 0.0, end
 
 
 @inlined
-def fly(x: float, u: float, a: float, stops: Stops, h: float) -> tuple[float, float, float]:
+def predict_lift(x: float, u: float, a: float, stops: Stops, h: float) -> tuple[float, float, float]:
     """Lift after a time h [s] under an acceleration a; the speed halfway through what follows an impact; that time.
 
     The impact is at its own instant. A rebound that would end within the substep, or slower than `rest_speed`, is none.
@@ -124,67 +127,68 @@ def fly(x: float, u: float, a: float, stops: Stops, h: float) -> tuple[float, fl
     gap = abs(x - stop)
     sign = 1.0 if then > stop else -1.0
     u, a = sign * u, sign * a
-    hit = math.sqrt(max(0.0, u * u + 2.0 * a * gap))
-    left = h - ((hit - u) / a if u < 0.0 else 2.0 * gap / max(u + hit, 1e-300))
-    away = stops.restitution * hit - 0.5 * left * a
-    if hit <= stops.rest_speed or away <= 0.0:
+    impact = math.sqrt(max(0.0, u * u + 2.0 * a * gap))
+    left = h - ((impact - u) / a if u < 0.0 else 2.0 * gap / max(u + impact, 1e-300))
+    rebound = stops.restitution * impact - 0.5 * left * a
+    if impact <= stops.rest_speed or rebound <= 0.0:
         return stop, 0.0, left
-    return stop - sign * left * away, -sign * away, left
+    return stop - sign * left * rebound, -sign * rebound, left
 
 
 @inlined
 def substep(m: Motion, c: float, z: float, h: float, valve: Relief) -> Motion:
     """The valve a time h [s] later, c the line's value then. Impacts feel the forces of the start."""
-    s, pilot = m.state, valve.pilot
-    lift, half_way, left = fly(s.pilot_lift, s.pilot_velocity, m.pilot_force / pilot.mass, pilot.stops, h)
+    s, pilot, per_h = m.state, valve.pilot, 1.0 / h
+    acceleration = m.pilot_force / pilot.mass
+    lift, half_way, left = predict_lift(s.pilot_lift, s.pilot_velocity, acceleration, pilot.stops, h)
     conductance, area = pilot_opening(lift, pilot)
-    drag = poppet_drag(lift, pilot)
-    flown = left == h and 0.0 < lift < pilot.stops.stroke
-    stiff, laminar = absorbed_per_pressure(valve.channel, h), laminar_conductance(pilot.seat, lift)
-    turbulent = not is_laminar(pilot.seat)
+    drag, turbulent = poppet_drag(lift, pilot), not is_laminar(pilot.seat)
     before = m.y * abs(m.y) if turbulent and s.pilot_lift > 0.0 else m.y
-    bending, lagging = (h * h / 12.0, -h / 12.0) if flown else (0.0, 0.0)
-    widening, area_slope = opening_slope(pilot.seat, lift, conductance, area) if flown else (0.0, 0.0)
-    stiffness = pilot.stiffness - area_slope * (before if s.pilot_lift > 0.0 else 0.0)
-    per_force = 1.0 / (pilot.mass + 0.5 * left * drag + stiffness * bending)
-    gained = m.pilot_force / pilot.mass
-    gain = (stiffness * bending * gained - spring_force(lift, pilot) - drag * half_way) * per_force
-    per_pressure = area * per_force
-    poise = Poise(
+    in_oil, laminar = absorbed_per_pressure(valve.channel, h), laminar_conductance(pilot.seat, lift)
+    correcting, lagging, opening, stiffness = 0.0, 0.0, 0.0, pilot.stiffness
+    if left == h and 0.0 < lift < pilot.stops.stroke:
+        correcting, lagging = h * h / 12.0, -h / 12.0
+        opening, area_slope = opening_slope(pilot.seat, lift, conductance, area)
+        stiffness -= area_slope * (before if s.pilot_lift > 0.0 else 0.0)
+    per_force = 1.0 / (pilot.mass + 0.5 * left * drag + stiffness * correcting)
+    without_p2 = (stiffness * correcting * acceleration - spring_force(lift, pilot) - drag * half_way) * per_force
+    per_p2 = area * per_force
+    change = without_p2 - acceleration
+    poppet = PoppetEnd(
         lift=lift,
         conductance=conductance,
-        widening=widening,
-        coasting=half_way + 0.5 * left * gain,
-        yielding=0.5 * left * per_pressure,
-        bend=bending * (gain - gained),
-        bending=bending * per_pressure,
-        lag=lagging * (gain - gained),
-        lagging=lagging * per_pressure,
-        absorbed=stiff + laminar,
-        released=stiff * before + m.filling,
+        corrected=conductance + opening * correcting * change,
+        corrected_per_p2=opening * correcting * per_p2,
+        speed=half_way + 0.5 * left * without_p2,
+        speed_per_p2=0.5 * left * per_p2,
+        sweeping=half_way + 0.5 * left * without_p2 + lagging * change,
+        sweeping_per_p2=(0.5 * left + lagging) * per_p2,
+        outflow_per_p2=in_oil + laminar,
+        inflow=in_oil * before + m.filling,
     )
-    y = m.y
+    y, alike = m.y + h * m.y_rate, True
     if turbulent and s.pilot_lift <= 0.0 and lift > 0.0:
-        y = math.copysign(math.sqrt(abs(y)), y)
+        y, alike = math.copysign(math.sqrt(abs(m.y)), m.y), False
     elif turbulent and s.pilot_lift > 0.0 and lift <= 0.0:
-        y = y * abs(y)
-    x, spool_gain, end = move_spool(y, m, poise, c, z, h, valve)
+        y, alike = before, False
+    spool_lift, spool_gain, end = move_spool(y, m, poppet, c, z, h, per_h, valve)
     p2 = end.y * abs(end.y) if turbulent and lift > 0.0 else end.y
-    correction = bent(p2, poise)
+    velocity = stopped(lift, poppet.speed + poppet.speed_per_p2 * p2, pilot.stops)
+    correction = max(correcting * (change + per_p2 * p2), (LEAST_OPENING - 1.0) * lift)
     there = min(lift + correction, pilot.stops.stroke)
-    force = area * p2 - spring_force(lift, pilot) - stiffness * (there - lift) - drag * end.pilot_velocity
-    force = borne(force, there, end.pilot_velocity, pilot.stops)
-    conductance += poise.widening * correction
-    through = conductance * end.y + pilot.area * end.pilot_velocity - valve.main.area * end.spool_velocity
+    force = area * p2 - spring_force(lift, pilot) - stiffness * correction - drag * velocity
+    conductance += opening * correction
+    through = conductance * end.y + pilot.area * velocity - valve.main.area * end.spool_velocity
     return Motion(
-        ReliefState(there, end.pilot_velocity, x, end.spool_velocity),
+        ReliefState(there, velocity, spool_lift, end.spool_velocity),
         end.y,
-        force,
+        (end.y - m.y) * per_h if alike else 0.0,
+        unsupported(force, there, velocity, pilot.stops),
         spool_gain,
         m.rise,
         oil_stiffness(end.y, there, conductance, area, through, valve),
         end.flow,
-        stiff * (p2 - before) - m.filling if is_compressible(valve.channel) else 0.0,
+        in_oil * (p2 - before) - m.filling if is_compressible(valve.channel) else 0.0,
     )
 
 
@@ -209,4 +213,4 @@ def substeps(m: Motion, c_change: float, step: float, valve: Relief) -> int:
 @inlined
 def with_rise(m: Motion, rise: float) -> Motion:
     """The same at the end of a step in which c rose by so much [Pa]."""
-    return Motion(m.state, m.y, m.pilot_force, m.spool_gain, rise, m.pilot_oil, m.flow, m.filling)
+    return Motion(m.state, m.y, m.y_rate, m.pilot_force, m.spool_gain, rise, m.pilot_oil, m.flow, m.filling)

@@ -22,7 +22,7 @@ from twin.orifice import Orifice, quadratic_flow, resistance
 from twin.relief.channel import Channel, is_compressible
 from twin.relief.main_stage import (
     MainStage,
-    mouth,
+    main_opening,
     spool_drag,
     spool_spring,
 )
@@ -30,7 +30,7 @@ from twin.relief.poppet import Poppet
 from twin.relief.seat import is_laminar
 
 ITERATIONS = 8
-BENT = 0.25  # of its lift: how far p2 may correct the poppet's lift within a substep
+LEAST_OPENING = 0.5  # of the predicted one: what a correction of the poppet's lift leaves within a substep
 CLOSE_SPEED, CLOSE_ROOT = 1e-4, 1e-3  # [m/s] and relative: a smaller correction is the last, its error is of its square
 
 
@@ -90,32 +90,32 @@ def pilot_node(p: float, pushed: float, conductance: float, orifices: Orifices, 
     return 0.5 * (root - linear) / square
 
 
-class Poise(NamedTuple):
+class PoppetEnd(NamedTuple):
     """The poppet at the end of a substep: its lift but for a small correction is known, the rest follows from p2."""
 
     lift: float  # predicted [m]
     conductance: float  # R there [m^3/(s sqrt(Pa))]
-    widening: float  # dR/dx there
-    coasting: float  # speed without p2 [m/s]
-    yielding: float  # speed gained per p2 [m/(s Pa)]
-    bend: float  # correction of the lift without p2 [m]
-    bending: float  # gained per p2 [m/Pa]
-    lag: float  # correction, without p2, of the speed at which the poppet sweeps oil [m/s]
-    lagging: float  # gained per p2 [m/(s Pa)]
-    absorbed: float  # what leaves the node per p2, through a laminar seat and into its oil [m^3/(s Pa)]
-    released: float  # less this [m^3/s]
+    corrected: float  # R at the corrected lift, but for what p2 adds
+    corrected_per_p2: float  # gained per p2 [m^3/(s Pa^1.5)]
+    speed: float  # u without p2 [m/s]
+    speed_per_p2: float  # gained per p2 [m/(s Pa)]
+    sweeping: float  # speed at which the poppet sweeps oil, without p2 [m/s]
+    sweeping_per_p2: float
+    outflow_per_p2: float  # what leaves the node through a laminar seat and into its oil [m^3/(s Pa)]
+    inflow: float  # less this [m^3/s]
 
 
-class Push(NamedTuple):
-    """The spool at the start of a substep."""
+class SpoolEnd(NamedTuple):
+    """The spool at the end of a substep: a lift and a speed to which a force adds."""
 
-    lift: float  # at the end but for what the end's speed adds [m]
+    lift: float  # but for what the speed at the end adds [m]
     velocity: float  # v that no force would change [m/s]
+    guess: float  # v from which the iteration starts [m/s]
     inertia: float  # 3 m/(2 h) [N s/m]
-    share: float  # lift per speed at the end, 5 h/12 [s]; 0.0 for a spool whose end is given
+    lift_per_speed: float  # 5 h/12 [s]; 0.0 for a spool whose end is given
 
 
-class Look(NamedTuple):
+class Residuals(NamedTuple):
     """A guess put into the equations: errors, their slopes, and what it means."""
 
     node: float  # p2 + dp12 - p [Pa]
@@ -124,49 +124,36 @@ class Look(NamedTuple):
     force: float  # on the spool [N]
     force_y: float
     force_v: float
-    pilot_velocity: float
-    pilot_velocity_y: float
     flow: float  # Q [m^3/s]
     flow_y: float
     flow_v: float
 
 
-class End(NamedTuple):
-    """Where a substep ends."""
+class Solution(NamedTuple):
+    """What the end of a substep has in common for both bodies."""
 
     y: float  # as of `pilot_node`
-    pilot_velocity: float
     spool_velocity: float
     spool_force: float
     flow: float
 
 
 @inlined
-def bent(p2: float, poise: Poise) -> float:
-    """Correction of the poppet's lift [m], at most a share of it."""
-    most = BENT * poise.lift
-    return min(max(poise.bend + poise.bending * p2, -most), most)
-
-
-@inlined
-def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve: Relief) -> Look:
+def residuals(y: float, v: float, poppet: PoppetEnd, spool: SpoolEnd, c: float, z: float, valve: Relief) -> Residuals:
     """The equations at a guess. The inlet's p + z k sqrt(p) = c - z q is solved for s = sqrt(p) in closed form."""
     pilot, main, orifices = valve.pilot, valve.main, valve.orifices
-    lift = push.lift + push.share * v
-    seat = mouth(lift, main)
-    k_v = push.share * seat.conductance_slope
-    p2, p2_y = (y * abs(y), 2.0 * abs(y)) if poise.conductance > 0.0 else (y, 1.0)
-    free = poise.coasting + poise.yielding * p2
-    u = stopped(poise.lift, free, pilot.stops)
-    u_y, swept, swept_y = 0.0, u, 0.0
-    if u == free:
-        u_y = poise.yielding * p2_y
-        swept, swept_y = u + poise.lag + poise.lagging * p2, u_y + poise.lagging * p2_y
-    wide = poise.conductance + poise.widening * bent(p2, poise)
-    wide_y = wide + poise.widening * poise.bending * p2_y * y
-    q, q_y = wide * y + pilot.area * swept, wide_y + pilot.area * swept_y
+    lift = spool.lift + spool.lift_per_speed * v
+    seat = main_opening(lift, main)
+    k_v = spool.lift_per_speed * seat.conductance_slope
+    p2, p2_y = (y * abs(y), 2.0 * abs(y)) if poppet.conductance > 0.0 else (y, 1.0)
+    free = poppet.sweeping + poppet.sweeping_per_p2 * p2
+    u = stopped(poppet.lift, free, pilot.stops)
+    u_y = poppet.sweeping_per_p2 * p2_y if u == free else 0.0
+    wide = max(poppet.corrected + poppet.corrected_per_p2 * p2, LEAST_OPENING * poppet.conductance)
+    wide_y = wide + poppet.corrected_per_p2 * p2_y * y
+    q, q_y = wide * y + pilot.area * u, wide_y + pilot.area * u_y
     if is_laminar(pilot.seat) or is_compressible(valve.channel):
-        q, q_y = q + (poise.absorbed * p2 - poise.released), q_y + poise.absorbed * p2_y
+        q, q_y = q + (poppet.outflow_per_p2 * p2 - poppet.inflow), q_y + poppet.outflow_per_p2 * p2_y
     e, zk = c - z * q, z * seat.conductance
     root = math.sqrt(zk * zk + 4.0 * abs(e)) + 1e-30
     s, per_root = math.copysign(0.5 * (root - zk), e), 1.0 / root
@@ -175,17 +162,15 @@ def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve
     q1, q3 = q - main.area * v, main.area * v
     stiff_12 = 2.0 * orifices.a_12 * abs(q1) + orifices.b_12
     stiff_3 = 2.0 * orifices.a_3 * abs(q3) + orifices.b_3
-    drag = spool_drag(abs(s), main)
+    drag, lifting = spool_drag(abs(s), main), seat.area_slope * p - main.stiffness
     p3 = p2 + drop(q3, orifices.a_3, orifices.b_3)
-    return Look(
+    return Residuals(
         node=p2 + drop(q1, orifices.a_12, orifices.b_12) - p,
         node_y=p2_y + stiff_12 * q_y - p_y,
         node_v=-stiff_12 * main.area - p_v,
         force=seat.area * p - main.area * p3 - spool_spring(lift, main) - drag * v,
         force_y=seat.area * p_y - main.area * p2_y,
-        force_v=seat.area * p_v - main.area**2 * stiff_3 - drag + push.share * (seat.area_slope * p - main.stiffness),
-        pilot_velocity=u,
-        pilot_velocity_y=u_y,
+        force_v=seat.area * p_v - main.area**2 * stiff_3 - drag + spool.lift_per_speed * lifting,
         flow=seat.conductance * s + q,
         flow_y=seat.conductance * s_y + q_y,
         flow_v=seat.conductance * s_v + k_v * s,
@@ -193,30 +178,30 @@ def look(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve
 
 
 @inlined
-def meet(y: float, v: float, poise: Poise, push: Push, c: float, z: float, valve: Relief) -> End:
-    """Speeds and flows at the end of a substep: Newton on the pilot node and the spool's motion together.
+def solve(y: float, poppet: PoppetEnd, spool: SpoolEnd, c: float, z: float, valve: Relief) -> Solution:
+    """The end of a substep: Newton on the pilot node, from a guess y, and on the spool's motion together.
 
     Unknown are y and the spool's speed v at the end. Each equation rises with its own unknown, and the determinant has
     the floor that inertia gives it. The last correction is carried into the results by their slopes.
     """
+    v = spool.guess
     dy = dv = 0.0
     iterations = 0
     while True:
-        at = look(y, v, poise, push, c, z, valve)
+        at = residuals(y, v, poppet, spool, c, z, valve)
         iterations += 1
         per_node = 1.0 / at.node_y
-        if push.share > 0.0:
-            error = push.inertia * (v - push.velocity) - at.force
-            determinant = at.node_y * (push.inertia - at.force_v) + at.node_v * at.force_y
-            determinant = max(determinant, 0.5 * at.node_y * push.inertia)
+        if spool.lift_per_speed > 0.0:
+            error = spool.inertia * (v - spool.velocity) - at.force
+            determinant = at.node_y * (spool.inertia - at.force_v) + at.node_v * at.force_y
+            determinant = max(determinant, 0.5 * at.node_y * spool.inertia)
             dv = -(error * at.node_y + at.node * at.force_y) / determinant
         dy = -(at.node + at.node_v * dv) * per_node
         y, v = y + dy, v + dv
         if iterations == ITERATIONS or (abs(dv) <= CLOSE_SPEED and abs(dy) <= CLOSE_ROOT * (abs(y) + 1.0)):
             break
-    return End(
+    return Solution(
         y,
-        at.pilot_velocity + at.pilot_velocity_y * dy,
         v,
         at.force + at.force_y * dy + at.force_v * dv,
         at.flow + at.flow_y * dy + at.flow_v * dv,

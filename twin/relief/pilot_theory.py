@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.relief.channel import CompressibleOil, IncompressibleOil
-from twin.relief.main_stage import mouth, spool_drag
+from twin.relief.main_stage import main_opening, spool_drag
 from twin.relief.network import Relief
 from twin.relief.poppet import pilot_opening, poppet_drag
 from twin.relief.steady import (
@@ -84,7 +84,7 @@ def balances(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
     """The same, but its third row is what fills the oil before the pilot, C p2' [m^3/s]: C may be zero."""
     s, pilot, main = _slopes(pressure, valve), valve.pilot, valve.main
     spool = rest(pressure, valve).spool_lift
-    seat, root = mouth(spool, main), math.sqrt(pressure)
+    seat, root = main_opening(spool, main), math.sqrt(pressure)
     through = seat.conductance / (2.0 * root)  # dQ_m/dp
     inlet = z / (1.0 + z * (through + s.supply))  # p falls by this times what more is drawn
     by_p2, by_spool, by_speed = inlet * s.supply, -inlet * seat.conductance_slope * root, -inlet * main.area

@@ -2,14 +2,14 @@
 
 At an inlet pressure p with nothing moving p3 = p2, and everything follows from two balances, one after the other: the
 poppet's (its lift sets the flow through orifices 1, 2 and the seat), then the spool's. The function iteration of the
-source, 2.4.4, diverges beyond the knee; a bracket cannot.
+thesis, 2.4.4, diverges beyond the knee; a bracket cannot.
 """
 
 import math
 
 from twin.kernel import kernel
 from twin.orifice import quadratic_flow
-from twin.relief.main_stage import MainStage, mouth, spool_spring
+from twin.relief.main_stage import MainStage, main_opening, spool_spring
 from twin.relief.poppet import cracking_pressure, pilot_opening, spring_force
 from twin.relief.seat import laminar_conductance
 from twin.relief.valve import Relief, ReliefState
@@ -58,7 +58,7 @@ def pilot_lift(pressure: float, valve: Relief) -> float:
 @kernel
 def spool_surplus(pressure: float, p2: float, lift: float, main: MainStage) -> float:
     """Force that opens the spool at a lift [N]."""
-    return mouth(lift, main).area * pressure - main.area * p2 - spool_spring(lift, main)
+    return main_opening(lift, main).area * pressure - main.area * p2 - spool_spring(lift, main)
 
 
 @kernel
@@ -92,7 +92,7 @@ def steady_flow(pressure: float, valve: Relief) -> float:
     if s.pilot_lift == 0.0:
         return 0.0
     pilot = pilot_flow(pilot_pressure(pressure, s.pilot_lift, valve), s.pilot_lift, valve)
-    return pilot + mouth(s.spool_lift, valve.main).conductance * math.sqrt(pressure)
+    return pilot + main_opening(s.spool_lift, valve.main).conductance * math.sqrt(pressure)
 
 
 @kernel

@@ -50,12 +50,12 @@ def step_valve(m: Motion, c_before: float, c_after: float, z: float, valve: Reli
     if shut(m.state) and not is_compressible(valve.channel):
         if max(c_before, c_after) <= cracking_pressure(valve.pilot):
             rise = c_after - c_before
-            return Motion(m.state, m.y, m.pilot_force, 0.0, rise, m.pilot_oil, 0.0, 0.0), 0
+            return Motion(m.state, m.y, 0.0, m.pilot_force, 0.0, rise, m.pilot_oil, 0.0, 0.0), 0
         m = begin(m.state, c_before - z * m.flow, m.flow, valve, m.rise)
     n = substeps(m, c_after - c_before, step, valve)
-    h, rise, bend = step / n, c_after - c_before, 0.0
+    h, rise, bend = step, c_after - c_before, 0.0
     if n > 1:
-        bend = min(max(0.5 * (rise - m.rise), -CURVE), CURVE)
+        h, bend = step / n, min(max(0.5 * (rise - m.rise), -CURVE), CURVE)
     for left in range(n - 1, -1, -1):
         share = left / n
         m = substep(m, c_after - share * (rise + (1.0 - share) * bend), z, h, valve)
