@@ -90,10 +90,11 @@ def shown(outcome: Outcome) -> Outcome:
     """The outcome for people: with a picture, and with where it stands among the stable gains of its loop."""
     if outcome.data is None or outcome.summary is None or outcome.interrupted:
         return outcome
+    from bridge.scenario.relief_swing import swing_notes
     from bridge.studies.stability.operating import operating_point, timing_notes
 
     scenario, metrics = outcome.scenario, outcome.summary.metrics
-    notes = [*outcome.notes, *timing_notes(scenario)]
+    notes = [*outcome.notes, *timing_notes(scenario), *swing_notes(scenario)]
     picture, refused = _picture(scenario, outcome.data)
     point = None if outcome.options.external else operating_point(scenario, metrics)  # of the scenario's own law
     faults = [*outcome.faults, *refused]

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from bridge.scenario.circuit import circuit_of, rest_of, supply_of
 from bridge.scenario.model import Scenario
 from bridge.scenario.reach import reference_warnings
+from bridge.scenario.relief_swing import in_numbers, swing_of
 from bridge.scenario.units import SHOWN, UNITS
 from twin.circuit.equilibrium import SupplyAtRest
 from twin.circuit.limits import limits, natural_frequency, too_coarse
@@ -79,7 +80,7 @@ def facts(scenario: Scenario) -> list[Fact]:
     found = [Fact("oil: viscosity, bulk modulus", f"{oil.viscosity * 1e6:.4g} mm^2/s, {oil.bulk_modulus:.4g} Pa")]
     found += _supply_facts(circuit, supply_of(scenario))
     if circuit.parts.fitted.relief:
-        found += _relief_facts(circuit)
+        found += _relief_facts(circuit, scenario)
     return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario)]
 
 
@@ -110,9 +111,13 @@ def _line_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
     return found
 
 
-def _relief_facts(circuit: Circuit) -> list[Fact]:
+def _relief_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
     pilot, main = circuit.parts.relief.pilot, circuit.parts.relief.main
+    found = swing_of(scenario)
+    words = "relief valve: its pilot oscillates by itself (linear theory)"
+    swinging = [] if found is None else [Fact(words, in_numbers(found))]
     return [
+        *swinging,
         Fact("relief valve: cracking pressure", f"{cracking_pressure(pilot) / 1e5:.4g} bar"),
         Fact("relief valve: pilot, spool without oil", f"{_hertz(pilot):.4g} Hz, {_hertz(main):.4g} Hz"),
     ]

@@ -15,6 +15,7 @@ from bridge.scenario.describe import (
     values_of,
     warnings,
 )
+from bridge.scenario.relief_swing import swing_notes
 from tests.support.command import hydrotwin_here
 from twin.rig import RIG
 
@@ -95,6 +96,18 @@ def test_a_rig_without_a_state_of_rest_is_refused_in_one_line(changes, said):
             ask(scenario)
         assert len(str(error.value).splitlines()) == 1
         assert str(error.value).startswith(f"hold-load: {said}")
+
+
+def test_a_pilot_that_swings_by_itself_is_said_and_a_calm_one_is_not():
+    """The relief valve with a pump line of 1.5 m, 1.47 kHz at any flow; as fitted it is calm at the flow at rest."""
+    assert not swing_notes(load("step"))
+    singing = load("step", ["rig.pipe_1.length=1.5"])
+    said = [fact.value for fact in facts(singing) if "oscillates by itself" in fact.what]
+    assert len(said) == 1
+    assert float(said[0].split()[0]) == pytest.approx(1470.0, rel=2e-3)
+    assert "up to 24.2 l/min" in said[0]
+    assert said[0] in swing_notes(singing)[0]
+    assert not [fact for fact in facts(load("step")) if "oscillates by itself" in fact.what]
 
 
 def test_a_step_too_coarse_is_marked_and_warned_of_with_both_numbers():

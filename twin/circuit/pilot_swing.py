@@ -5,9 +5,10 @@ fittings. Both are exact and laminar: steady flow in line 1 changes their dampin
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.step import Circuit
@@ -15,29 +16,69 @@ from twin.lines.theory import losses
 from twin.minor_losses import loss_at_end
 from twin.pump import pumped_oil
 from twin.relief.pilot_theory import swings_with_lines
+from twin.relief.steady import steady_pressure
+
+Array = NDArray[Any]
+SCANNED, HALVINGS = 10, 6  # flows from that at rest down to none, and how often the edge between two is halved
 
 
-def line_admittance(s: complex, line: int, diameter: float, beyond: complex, circuit: Circuit) -> complex:
+def line_admittance(s: Array, line: int, diameter: float, beyond: Array | float, circuit: Circuit) -> Array:
     """Y(s) [m^3/(s Pa)] at one end of a line with an admittance beyond its other end."""
     z0, travel = float(circuit.lines.z0[line]), float(circuit.lines.travel_time[line])
-    n = np.sqrt(losses(np.complex128(s), diameter**2 / (4.0 * circuit.parts.oil.viscosity), "unsteady"))
+    n = np.sqrt(losses(s, diameter**2 / (4.0 * circuit.parts.oil.viscosity), "unsteady"))
     own, through = 1.0 / (z0 * n), np.tanh(s * travel * n)
-    return complex(own * (beyond + own * through) / (own + beyond * through))
+    return own * (beyond + own * through) / (own + beyond * through)
 
 
-def pilot_swings(rig: Mapping[str, Any], circuit: Circuit) -> list[tuple[float, float]]:
+def pilot_swings(rig: Mapping[str, Any], circuit: Circuit, flow: float | None = None) -> list[tuple[float, float]]:
     """Growth [1/s] and frequency [Hz] of the oscillations of the rig's pilot at rest, the fastest growing first.
 
-    Raises ValueError where the relief valve is shut.
+    flow: over the relief valve [m^3/s]; None: what the pump sends over it with the valve at rest. Raises ValueError
+    where the relief valve is shut.
     """
     parts, supply = circuit.parts, supply_at_rest(circuit)
+    tee, over = (supply.tee, supply.relieved) if flow is None else (steady_pressure(flow, parts.relief), flow)
     leakage = -pumped_oil(supply.pump, 1.0, parts.pump, parts.oil.bulk_modulus)[1]
-    lost = 2.0 * loss_at_end(parts.losses, 0) * (supply.relieved + supply.idle)
+    lost = 2.0 * loss_at_end(parts.losses, 0) * (over + supply.idle)
     first, second = (float(rig[pipe]["diameter"]) for pipe in ("pipe_1", "pipe_2"))
 
-    def impedance(s: complex) -> complex:
+    def impedance(s: Array) -> Array:
         supplied = line_admittance(s, 0, first, leakage / (1.0 + lost * leakage), circuit)
         behind = line_admittance(s, 1, second, 0.0, circuit)
         return 1.0 / (supplied / (1.0 + lost * supplied) + behind / (1.0 + parts.fitting.linear * behind))
 
-    return swings_with_lines(supply.tee, impedance, parts.relief)
+    return swings_with_lines(tee, impedance, parts.relief)
+
+
+class SelfExcited(NamedTuple):
+    """The pilot's own oscillation at the flow over the relief valve with the directional valve at rest."""
+
+    growth: float  # [1/s]
+    frequency: float  # [Hz]
+    flow: float  # [m^3/s]
+    least: float  # flow down to which it grows [m^3/s]
+
+
+def self_excited(rig: Mapping[str, Any], circuit: Circuit) -> SelfExcited | None:
+    """What grows by itself; None where nothing does, or nothing flows over the relief valve."""
+    flow = supply_at_rest(circuit).relieved
+    if circuit.parts.fitted.relief == 0.0 or flow <= 0.0:
+        return None
+    growth, frequency = _fastest(rig, circuit, flow)
+    if growth <= 0.0:
+        return None
+    calm, swinging = 0.0, flow
+    for share in range(1, SCANNED)[::-1]:
+        tried = flow * share / SCANNED
+        if _fastest(rig, circuit, tried)[0] <= 0.0:
+            calm = tried
+            break
+        swinging = tried
+    for _ in range(HALVINGS if calm > 0.0 else 0):
+        middle = 0.5 * (calm + swinging)
+        calm, swinging = (calm, middle) if _fastest(rig, circuit, middle)[0] > 0.0 else (middle, swinging)
+    return SelfExcited(growth, frequency, flow, swinging if calm > 0.0 else 0.0)
+
+
+def _fastest(rig: Mapping[str, Any], circuit: Circuit, flow: float) -> tuple[float, float]:
+    return max(pilot_swings(rig, circuit, flow), default=(0.0, 0.0))

@@ -24,7 +24,8 @@ from twin.relief.steady import (
     rest,
 )
 
-Impedance = Callable[[complex], complex]
+Impedance = Callable[[NDArray[Any]], NDArray[Any]]
+STARTS = 2.0 * math.pi * np.arange(1000.0, 3000.0, 20.0)  # [rad/s], of the search for roots
 
 
 class Swing(NamedTuple):
@@ -67,6 +68,44 @@ def _slopes(pressure: float, valve: Relief) -> _Slopes:
     )
 
 
+class Balances(NamedTuple):
+    """The Jacobian of (x, x', p2, X, X') at rest, or of the first three with the spool shut; of p2 that of C p2'.
+
+    In the third row stands what fills the oil before the pilot [m^3/s]: C may be zero. Lines of an impedance z add to
+    it: the inlet's pressure falls by z/(1 + z conductance) times what the valve draws.
+    """
+
+    fixed: NDArray[Any]  # at a constant pressure
+    by_inlet: NDArray[Any]  # what each balance gains by the inlet's pressure
+    drawn: NDArray[Any]  # what the valve draws less by each state
+    conductance: float  # dQ/dp of pilot and main seat, nothing moving [m^3/(s Pa)]
+
+    def matrix(self, z: Any) -> NDArray[Any]:
+        """At an impedance [Pa s/m^3], or at each of many: its last two axes are the matrix."""
+        inlet = np.asarray(z / (1.0 + z * self.conductance))
+        return self.fixed + inlet[..., None, None] * np.outer(self.by_inlet, self.drawn)
+
+
+def balances(pressure: float, valve: Relief) -> Balances:
+    """At an inlet pressure [Pa]. Raises ValueError where the pilot is shut."""
+    s, pilot, main = _slopes(pressure, valve), valve.pilot, valve.main
+    spool, root = rest(pressure, valve).spool_lift, math.sqrt(pressure)
+    seat = main_opening(spool, main)
+    drag = poppet_drag(s.lift, pilot)
+    stiff = main.stiffness - seat.area_slope * pressure
+    slow = main.area**2 * valve.orifices.b_3 + spool_drag(root, main)
+    fixed = np.zeros((5, 5))
+    fixed[0, 1] = fixed[3, 4] = 1.0
+    fixed[1, :3] = -s.stiffness / pilot.mass, -drag / pilot.mass, s.area / pilot.mass
+    fixed[2] = -s.by_lift, -pilot.area, -s.supply - s.by_pressure, 0.0, main.area
+    fixed[4, 2:] = -main.area / main.mass, -stiff / main.mass, -slow / main.mass
+    by_inlet = np.array([0.0, 0.0, s.supply, 0.0, seat.area / main.mass])
+    drawn = np.array([0.0, 0.0, s.supply, -seat.conductance_slope * root, -main.area])
+    size = 5 if spool > 0.0 else 3
+    through = seat.conductance / (2.0 * root)  # dQ_m/dp
+    return Balances(fixed[:size, :size], by_inlet[:size], drawn[:size], through + s.supply)
+
+
 def valve_matrix(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
     """The Jacobian of (x, x', p2, X, X'), or of the first three with the spool shut, at an inlet pressure [Pa].
 
@@ -75,34 +114,9 @@ def valve_matrix(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
     """
     if isinstance(valve.channel, IncompressibleOil):
         raise ValueError("the oil before the pilot is incompressible: take a relief.channel_volume above 0")
-    matrix = balances(pressure, z, valve)
+    matrix = balances(pressure, valve).matrix(z)
     matrix[2] /= valve.channel.capacity
     return matrix
-
-
-def balances(pressure: float, z: complex, valve: Relief) -> NDArray[Any]:
-    """The same, but its third row is what fills the oil before the pilot, C p2' [m^3/s]: C may be zero."""
-    s, pilot, main = _slopes(pressure, valve), valve.pilot, valve.main
-    spool = rest(pressure, valve).spool_lift
-    seat, root = main_opening(spool, main), math.sqrt(pressure)
-    through = seat.conductance / (2.0 * root)  # dQ_m/dp
-    inlet = z / (1.0 + z * (through + s.supply))  # p falls by this times what more is drawn
-    by_p2, by_spool, by_speed = inlet * s.supply, -inlet * seat.conductance_slope * root, -inlet * main.area
-    g = s.supply
-    matrix = np.zeros((5, 5), type(z))
-    matrix[0, 1] = matrix[3, 4] = 1.0
-    drag = poppet_drag(s.lift, pilot)
-    matrix[1, :3] = -s.stiffness / pilot.mass, -drag / pilot.mass, s.area / pilot.mass
-    matrix[2] = (
-        -s.by_lift, -pilot.area, g * (by_p2 - 1.0) - s.by_pressure, g * by_spool, g * by_speed + main.area,
-    )  # fmt: skip
-    stiff = main.stiffness - seat.area_slope * pressure
-    slow = main.area**2 * valve.orifices.b_3 + spool_drag(root, main)
-    matrix[4] = (
-        0.0, 0.0, seat.area * by_p2 - main.area, seat.area * by_spool - stiff, seat.area * by_speed - slow,
-    )  # fmt: skip
-    matrix[4] /= main.mass
-    return matrix if spool > 0.0 else matrix[:3, :3]
 
 
 def swing(pressure: float, z: float, valve: Relief) -> Swing:
@@ -118,39 +132,40 @@ def swing(pressure: float, z: float, valve: Relief) -> Swing:
 def swings_with_lines(pressure: float, impedance: Impedance, valve: Relief) -> list[tuple[float, float]]:
     """Growth [1/s] and frequency [Hz] of the oscillations between 1 and 3 kHz, the fastest growing first.
 
-    impedance: Z(s) [Pa s/m^3] of the lines at the inlet. Roots of det(s - M(Z(s))) by the secant rule from a start
-    every 20 Hz: the lines' own modes are among them, and which of them the pilot takes up is theirs to decide.
+    impedance: Z(s) [Pa s/m^3] of the lines at the inlet, for an array of s. Roots of det(s - M(Z(s))) by the secant
+    rule from many STARTS: the lines' own modes are among them; which of them the pilot takes up is theirs to decide.
     """
     capacity = valve.channel.capacity if isinstance(valve.channel, CompressibleOil) else 0.0
-    still = balances(pressure, 0.0, valve)
-    inertia = np.diag([1.0, 1.0, capacity, 1.0, 1.0][: len(still)])
-    scale = 1.0 / np.abs(still).max(axis=1, keepdims=True)
+    at = balances(pressure, valve)
+    inertia = np.diag([1.0, 1.0, capacity, 1.0, 1.0][: len(at.fixed)])
+    scale = 1.0 / np.abs(at.fixed).max(axis=1, keepdims=True)
 
-    def characteristic(s: complex) -> complex:
-        return complex(np.linalg.det((s * inertia - balances(pressure, complex(impedance(s)), valve)) * scale))
+    def characteristic(s: NDArray[Any]) -> NDArray[Any]:
+        return np.linalg.det((s[:, None, None] * inertia - at.matrix(impedance(s))) * scale)
 
     found: list[complex] = []
-    for start in 2.0 * math.pi * np.arange(1000.0, 3000.0, 20.0):
-        root = _root(characteristic, 1j * float(start))
-        known = any(abs(root - other) < 1e-3 * abs(other) for other in found) if root is not None else True
-        if root is not None and not known and 1000.0 < root.imag / (2.0 * math.pi) < 3000.0:
-            found.append(root)
+    for root in _roots(characteristic, 1j * STARTS):
+        known = any(abs(root - other) < 1e-3 * abs(other) for other in found)
+        if not known and STARTS[0] < root.imag < 2.0 * math.pi * 3000.0:
+            found.append(complex(root))
     return sorted(((s.real, s.imag / (2.0 * math.pi)) for s in found), reverse=True)
 
 
-def _root(function: Callable[[complex], complex], start: complex) -> complex | None:
-    a, b = start, start * (1.0 + 1e-4) + 1.0
-    f_a, f_b = function(a), function(b)
+def _roots(function: Callable[[NDArray[Any]], NDArray[Any]], starts: NDArray[Any]) -> NDArray[Any]:
+    """Where the secant rule converges from each start, to 1e-9 of the root; those that do not are left out."""
+    a, b = starts, starts * (1.0 + 1e-4) + 1.0
+    f_a, roots = function(a), []
     for _ in range(40):
-        if f_a == f_b:
-            return None
-        a, b, f_a = b, b - f_b * (b - a) / (f_b - f_a), f_b
-        if not abs(b) < 1e6:
-            return None
         f_b = function(b)
-        if abs(b - a) < 1e-9 * abs(b):
-            return b
-    return None
+        with np.errstate(all="ignore"):
+            then = b - f_b * (b - a) / (f_b - f_a)
+            near, sound = np.abs(then - b) < 1e-9 * np.abs(then), np.abs(then) < 1e6
+        roots.append(then[near & sound])
+        going = ~near & sound
+        if not going.any():
+            break
+        a, b, f_a = b[going], then[going], f_b[going]
+    return np.concatenate(roots)
 
 
 def chatter_volumes(pressure: float, z: float, modulus: float, valve: Relief) -> tuple[float, float] | None:
