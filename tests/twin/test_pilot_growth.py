@@ -81,4 +81,4 @@ def test_growth_is_found_in_a_sum_of_swings():
         size * np.exp(rate * time) * np.cos(2.0 * np.pi * f * time)
         for size, rate, f in ((1.0, -4.0, 1612.0), (0.3, -50.0, 1448.0), (0.5, -9.0, 300.0))
     ]
-    assert modes(sum(swings), 1e-4)[0] == pytest.approx((-4.0, 1612.0), abs=1e-5)
+    assert modes(np.sum(swings, axis=0), 1e-4)[0] == pytest.approx((-4.0, 1612.0), abs=1e-5)
