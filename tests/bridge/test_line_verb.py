@@ -134,7 +134,7 @@ def test_a_branch_is_in_table_and_picture(tmp_path: Path):
         (("--friction", "convolution", "--scheme", "fem/bdf2"), "take scheme moc"),
         (("--courant", "1.5"), "Courant number 1.5 is outside 0 < C <= 1"),
         (("--cavitation",), "take ends or nodes"),
-        (("--temperature", "90 degC"), "above 80.0 deg C"),
+        (("--temperature", "90 degC"), "holds from -20 to 80 deg C"),
         (("--oil", "milk"), "oil 'milk' unknown"),
         (("--scheme", "fem/bdf2", "--tolerance", "10 Pa"), "no embedded error"),
         (("--scheme", "cds5/bdf2", "--cells", "4"), "take 8 or more"),

@@ -18,7 +18,7 @@ from bridge.processes.options import RunOptions
 from bridge.runs.check import check_scenario
 from bridge.runs.in_process import record_in_process
 from bridge.runs.run import run_scenario, shown
-from bridge.scenario import ScenarioError, load, names
+from bridge.scenario import Scenario, ScenarioError, load, names
 from bridge.scenario.gains import law_gains
 from bridge.studies.stability.advice import Advice, CycleAdvice, advise, refuse_linear, timing_notes
 from bridge.studies.stability.amplitude import loop_of
@@ -195,19 +195,27 @@ def test_a_relay_has_a_cycle_and_no_gain():
 
 @pytest.mark.parametrize("mass", [120, 303])
 def test_a_little_of_the_overlap_left_stops_the_hunting_for_a_small_error(mass):
-    """4 % of an overlap of 10 % left over a gain of 37/m: a dead band of +-0.11 mm, more than a step of the card."""
-    found = {}
+    """4 % of an overlap of 10 % left over a gain of 37/m: a dead band of +-0.11 mm, more than a step of the card.
+
+    Whether a run hunts is a matter of its noise: of six, several fewer do.
+    """
+    at_rest, hunting = {}, {}
     for share in (1.0, 0.96):
         scenario = load("step", [f"rig.load.mass={mass}", f"controller.overlap_share={share}"])
-        asked = stepped(scenario, 20e-3).model_copy(update={"duration": 8.0})
-        trace = trial(asked, stand_of(asked))
-        late = trace.time > 4.0
-        found[share] = np.ptp(trace.position[late]), np.abs(trace.position[late] - 0.12).max()
+        late = [late_half(scenario.model_copy(update={"seed": seed})) for seed in range(1, 7)]
+        hunting[share] = sum(np.ptp(position) > 0.1e-3 for position in late)
+        at_rest[share] = [np.abs(position - 0.12).max() for position in late if np.ptp(position) < 0.1e-3]
     left = 0.04 * scenario.rig.valve.overlap / free_gain(scenario).own
     assert left > scenario.daq.position_range / 2**scenario.daq.bits
-    assert found[1.0][0] > 0.3e-3
-    assert found[0.96][0] < 0.02e-3
-    assert found[0.96][1] < min(left + 0.05e-3, found[1.0][1])
+    assert hunting[1.0] >= hunting[0.96] + 2
+    assert max(at_rest[0.96]) < left + 0.05e-3
+
+
+def late_half(scenario: Scenario) -> np.ndarray:
+    """True position [m] from 4 s to 8 s, after a step of 20 mm at 1 s."""
+    asked = stepped(scenario, 20e-3).model_copy(update={"duration": 8.0})
+    trace = trial(asked, stand_of(asked))
+    return trace.position[trace.time > 4.0]
 
 
 LATE = ("--set", "loop.delay=10ms", "--set", "controller.derivative_time=0")  # where both valves have a frequency

@@ -128,7 +128,7 @@ def test_csv_with_or_without_header_gives_the_table(text: str):
         ("0,0.1\n1,nan", r"line 2: position_m is 'nan'; expected a finite number"),
         ("0,0.1\ninf,0.1", r"line 2: time_s is 'inf'; expected a finite number"),
         ("t,x\n0,0.1\n1,0.1", r"line 1: time_s is 't'; expected a finite number"),
-        ("0;0.1\n1;0.2", r"line 1: 1 columns in '0;0\.1'; expected 2: time_s,position_m"),
+        ("0 0.1\n1 0.2", r"line 1: 1 columns in '0 0\.1'; expected 2: time_s,position_m"),
         ("0,0.1,3", r"line 1: 3 columns"),
         ("time_s,position_m\n0,0.1", r"1 rows of numbers; a table needs at least 2"),
         ("", r"0 rows of numbers"),
