@@ -76,10 +76,10 @@ class RealTime(Part):
     """When a real-time run counts as failed: late commands change the data, late ticks only when they are published."""
 
     late_commands: CommandShare = Field(
-        default=0.005, ge=0.0, le=1.0, description="share of the commands that may be late or missing, rounded up"
+        default=0.02, ge=0.0, le=1.0, description="share of the commands that may be late or missing, rounded up"
     )
     overruns: TickShare = Field(
-        default=0.02, ge=0.0, le=1.0, description="share of the ticks that may be a period or more late"
+        default=0.05, ge=0.0, le=1.0, description="share of the ticks that may be a period or more late"
     )
     length: Seconds = Field(default=100e-3, ge=0.0, description="how late a tick may be")
     grace: Seconds = Field(default=0.5, ge=0.0, description="of wall time at the start, where nothing counts")

@@ -93,8 +93,8 @@ def test_a_right_refused_is_fair(monkeypatch: pytest.MonkeyPatch):
     [
         (0, "good"),
         (1, "fair"),
-        (20, "fair"),  # of 1000 ticks, the share that a run allows
-        (21, "bad"),
+        (50, "fair"),  # of 1000 ticks, the share that a run allows
+        (51, "bad"),
     ],
 )
 def test_clock_is_judged_by_the_overruns_a_run_allows(late: int, state: str, monkeypatch: pytest.MonkeyPatch):

@@ -124,18 +124,18 @@ def with_commands(**values) -> Summary:
 
 
 def test_a_run_within_its_policy_is_good():
-    """One late command in a hundred (half a per cent, rounded up), 20 late ticks in a thousand, 20 ms at most."""
+    """Two late commands in a hundred (2 %), 20 late ticks in a thousand, 20 ms at most."""
     assert not faults(GOOD)
 
 
 BAD = {
     "the run ended early: interrupted": GOOD._replace(ending="interrupted after 20 ticks"),
-    "of 100 commands 2 late (worst 1.50 ms): real_time.late_commands allows 0.005": with_commands(late=2),
+    "of 100 commands 3 late (worst 1.50 ms): real_time.late_commands allows 0.02": with_commands(late=3),
     "of 100 commands 1 late (worst 1.50 ms) and 3 missing": with_commands(taken=97),
     "the plant refused 1 command (1 stale)": with_commands(refused={"stale": 1}, taken=99),
     "messages were lost on the way to the recorder: 2 timing": GOOD._replace(lost={"timing": 2}),
     "the plant went to its safe state 2 times": GOOD._replace(safe_states=2),
-    "21 of 1000 ticks (2.10%) came": GOOD._replace(timing=TIMED._replace(overruns=OverrunTotals(3, 0.02, 9, 21))),
+    "51 of 1000 ticks (5.10%) came": GOOD._replace(timing=TIMED._replace(overruns=OverrunTotals(3, 0.02, 9, 51))),
     "the worst by 120.0 ms": GOOD._replace(timing=TIMED._replace(overruns=OverrunTotals(1, 0.12, 9, 9))),
 }
 
@@ -164,7 +164,7 @@ def test_what_follows_from_an_allowed_safe_state_is_allowed():
 def test_an_older_recording_is_judged_by_what_it_says():
     old = GOOD._replace(commands=CommandSummary(100, 0, 0.0, {}))
     assert not faults(old)
-    assert faults(old._replace(timing=TIMED._replace(overruns=OverrunTotals(21, 0.02, 9))))
+    assert faults(old._replace(timing=TIMED._replace(overruns=OverrunTotals(51, 0.02, 9))))
 
 
 def test_a_scenario_that_expects_nothing_runs_and_is_not_checked(tmp_path: Path):
