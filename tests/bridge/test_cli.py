@@ -138,7 +138,7 @@ def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
     assert any("mm, at" in message and "Hz" in message for message in messages)
 
 
-@pytest.mark.parametrize("name", ["square", "sine", "hold-load"])
+@pytest.mark.parametrize("name", ["square", "sine", "hold-load", "pid", "relay"])
 def test_check_passes_the_other_built_in_scenarios(name, tmp_path):
     done = hydrotwin_here("check", name, cwd=tmp_path)
     assert done.returncode == 0, done.stdout
