@@ -71,7 +71,7 @@ def main() -> None:
 def _record(folder: Path, chosen: dict[str, tuple[float, ...]]) -> None:
     """What the reading verbs read."""
     if any(RECORDED in words for words in chosen):
-        record = f"run step --mode inprocess --duration 60 --json - --record {RECORDED}"
+        record: str = f"run step --mode inprocess --duration 60 --json - --record {RECORDED}"
         end(record.split(), signal.SIGCONT, 0.0, folder, patience=120.0)
 
 
