@@ -71,8 +71,8 @@ def main() -> None:
 def _record(folder: Path, chosen: dict[str, tuple[float, ...]]) -> None:
     """What the reading verbs read."""
     if any(RECORDED in words for words in chosen):
-        record: str = f"run step --mode inprocess --duration 60 --json - --record {RECORDED}"
-        end(record.split(), signal.SIGCONT, 0.0, folder, patience=120.0)
+        record = f"run step --mode inprocess --duration 60 --json - --record {RECORDED}"
+        end([*record.split()], signal.SIGCONT, 0.0, folder, patience=120.0)
 
 
 def _latency(words: str, moment: float, folder: Path) -> float | None:
