@@ -131,12 +131,14 @@ def _answer(found: "Advice") -> list[str]:
     """The gains that count, and what the own one does."""
     unit, wide = found.unit, found.wide_above
     above = _in(found.swings_above, unit) if found.swings_above.volts is not None else "no gain"
-    widely = f"below {_in(wide, unit)}" if wide.volts is not None else "at any gain that was tried"
+    settles = (
+        f"below {_in(found.settles_below, unit)}" if found.settles_below.volts is not None else "at any gain tried"
+    )
+    widely = f"below {_in(wide, unit)}" if wide.volts is not None else "at any gain tried"
     own = [row.peak_to_peak for row in found.rows if row.gain.volts == found.gain.volts]
     by = f", by up to {own[0] * 1e3:.2g} mm peak to peak" if own and own[0] > 0.0 else ""
     return [
-        f"Every motion settles below {_in(found.settles_below, unit)}, every one swings above {above}; "
-        f"none swings by more than 1 mm {widely}.",
+        f"Every motion settles {settles}, every one swings above {above}; none swings by more than 1 mm {widely}.",
         f"This loop {found.verdict.words}{by}.",
     ]
 

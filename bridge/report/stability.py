@@ -29,7 +29,7 @@ def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
         return None
     intervals, edges = edge_curves(known[0][0].scenario)
     figure, (axis,) = canvas(1, 2.8)
-    top = 1.25 * max(float(np.max(edges[np.isfinite(edges)])), *(point.gain for _, point in known))
+    top = 1.25 * max([*edges[np.isfinite(edges)].tolist(), *(point.gain for _, point in known)])
     axis.fill_between(intervals * 1e3, 0.0, edges[:, 0], color=LIGHT["blue"], alpha=0.12, linewidth=0.0)
     axis.fill_between(intervals * 1e3, edges[:, 0], edges[:, 1], color=LIGHT["grey"], alpha=0.25, linewidth=0.0)
     axis.plot(intervals * 1e3, edges[:, 0], color=LIGHT["blue"], linewidth=1.2, label="settles below")

@@ -166,6 +166,16 @@ def test_a_summary_says_where_advice_on_its_law_is(kind, tmp_path, monkeypatch, 
     assert "hydrotwin advise" in capsys.readouterr().out
 
 
+def test_a_loop_that_no_gain_makes_swing_settles_and_has_no_gain_to_suggest():
+    """The spool stays within the overlap of its lands, so the piston only sinks by its leak."""
+    found = advise(load("step", ["controller.compensate_overlap=false", "controller.limit=0.05"]), (20e-3,))
+    assert isinstance(found, Advice)
+    assert found.verdict == "stable"
+    gains = (found.settles_below, found.swings_above, found.wide_above, found.suggested.gain, found.suggested.patient)
+    assert {gain.volts for gain in gains} == {None}
+    assert not found.rows
+
+
 def test_loops_without_theory_are_refused():
     with pytest.raises(ScenarioError, match=r"set controller\.kind = 'pd'"):
         advise(load("hold-load"))

@@ -141,6 +141,12 @@ def test_the_smallest_gain_that_swings_is_found_among_louder_ones_that_settle():
         assert found.settles < 1.0 <= found.swings < 1.02 * found.settles
 
 
+@pytest.mark.parametrize("first", [0.0, math.inf, math.nan])
+def test_a_search_that_cannot_end_is_refused(first: float):
+    with pytest.raises(ValueError, match="starts from a finite gain above 0"):
+        smallest_swinging(lambda _: Swing(0.0, 0.0), first, SCAN)
+
+
 def test_runs_last_long_enough():
     assert [lasting(*times) for times in ((0.01, 0.0), (0.5, 0.0), (0.01, 5.0))] == pytest.approx([20.0, 100.0, 50.0])
     with pytest.raises(ValueError, match="beyond the theory"):

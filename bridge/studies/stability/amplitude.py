@@ -20,6 +20,7 @@ from bridge.studies.stability.sampled_law import free_gain, law_of
 from controller.stability.amplitude.edges import (
     ROUGH,
     SEEDS,
+    Edge,
     Interval,
     Loop,
     edge,
@@ -109,20 +110,21 @@ def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, seeds: Seque
         )
     first = quiet_gain(loop, [*asked, *further], own)
     sizes = [*asked, *further]
-    starts = threaded(lambda size: edge(loop, size, seeds[0], first), sizes)
-    jobs = [(s, nearer(e, first), n) for s, e in zip(sizes, starts, strict=True) for n in _rest(s in asked, seeds)]
-    others = threaded(lambda job: edge(loop, job[0], job[2], job[1]), jobs)
-    edges = [*zip(sizes, starts, strict=True), *((job[0], e) for job, e in zip(jobs, others, strict=True))]
-    by_size = {size: spanned(size, [e for at, e in edges if at == size]) for size in sizes}
+    starts = dict(zip(sizes, threaded(lambda size: edge(loop, size, seeds[0], first, ROUGH), sizes), strict=True))
+    jobs = [(s, nearer(e, first), n) for s, e in starts.items() for n in _noises(e, s in asked, seeds)]
+    found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[2], job[1]), jobs), strict=True))
+    by_size = {s: spanned(s, [e for job, e in found if job[0] == s] or [starts[s]]) for s in sizes}
     low, high = min(i.low for i in by_size.values()), max(i.high for i in by_size.values())
     wide = wide_gain(loop, asked, low)
     rows = picture(loop, asked, low, max((g for g in (high, wide) if math.isfinite(g)), default=math.inf), own)
     return SwingRange(low, high, wide, tuple(by_size[size] for size in asked), tuple(rows))
 
 
-def _rest(is_asked: bool, seeds: Sequence[int]) -> Sequence[int]:
-    """The noises after the first, few of them for a step that nobody asked for."""
-    return seeds[1:] if is_asked else FEW[1:]
+def _noises(start: Edge, is_asked: bool, seeds: Sequence[int]) -> Sequence[int]:
+    """Whose edges are looked for: few for a step that nobody asked for, none where no gain swings."""
+    if math.isinf(start.swings):
+        return ()
+    return seeds if is_asked else FEW
 
 
 def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[float, Swing]]:
@@ -133,7 +135,12 @@ def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[flo
 
 
 def wide_gain(loop: Loop, sizes: Sequence[float], first: float) -> float:
-    """Below which gain no step of these sizes [m] leaves a swing of more than WIDE; searched from `first` upwards."""
+    """Below which gain no step of these sizes [m] leaves a swing of more than WIDE; searched from `first` upwards.
+
+    inf where none does, as where `first` is: no gain swings at all.
+    """
+    if math.isinf(first):
+        return math.inf
     found = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH, WIDE), sizes)
     return min(e.swings for e in found) / ROUGHLY
 

@@ -21,7 +21,7 @@ from controller.stability.amplitude.swing import LARGEST, Swing, last_third
 SECONDS, PERIODS, DELAYS = 20.0, 200.0, 10.0  # of a run, the longest of them
 LONGEST, LEAST = 400.0, 20.0  # but at most so many seconds, or so many periods
 SLOWEST = 20.0  # [s], a sampling period
-BACK = 0.5  # of the first noise's edge, where the others start: theirs may be much lower
+BACK = 0.4  # of a rough edge with one noise, where the search starts with each: theirs may be much lower
 SEEDS = tuple(range(1, 13))  # of the card's noise, whose edges span an interval
 SPREAD = 1.3  # standard deviations of an edge on both sides of the mean
 WIDER = 1.05  # beyond that, for what the reduction leaves out
@@ -100,7 +100,12 @@ def edge(loop: Loop, size: float, seed: int, first: float, scan: Scan = SCAN, la
 
 
 def smallest_swinging(swing_at: Callable[[float], Swing], first: float, scan: Scan, largest: float = LARGEST) -> Edge:
-    """The edge of what `swing_at` does at a gain: down from `first` until it settles, up until it swings, bisected."""
+    """The edge of what `swing_at` does at a gain: down from `first` until it settles, up until it swings, bisected.
+
+    Raises ValueError for a first gain that no search can start from.
+    """
+    if not 0.0 < first < math.inf:
+        raise ValueError(f"a search for an edge starts from a finite gain above 0, not from {first:g}")
     low, high, found = 0.0, first, swing_at(first)
     while found.peak_to_peak > largest and high > first / scan.down:
         high *= scan.back
@@ -128,10 +133,12 @@ def _bisected(swing_at: Callable[[float], Swing], found: Edge, tolerance: float,
 
 
 def interval(loop: Loop, size: float, first: float, seeds: Sequence[int] = SEEDS, each: Map = map) -> Interval:
-    """The interval of a step, searched from a gain `first` that should settle."""
-    start = edge(loop, size, seeds[0], first)
+    """The interval of a step, searched from a gain `first` that should settle; where no gain swings, by one noise."""
+    start = edge(loop, size, seeds[0], first, ROUGH)
+    if math.isinf(start.swings):
+        return spanned(size, [start])
     near = nearer(start, first)
-    return spanned(size, [start, *each(lambda seed: edge(loop, size, seed, near), seeds[1:])])
+    return spanned(size, list(each(lambda seed: edge(loop, size, seed, near), seeds)))
 
 
 def nearer(found: Edge, first: float) -> float:
