@@ -8,12 +8,19 @@ import typer
 from bridge.cli.options import AS_JSON
 from bridge.cli.outputs import print_json
 
+BRANCH = Annotated[str | None, typer.Option(help="Length of a branch; scheme moc.")]
+BRANCH_DIAMETER = Annotated[str | None, typer.Option(help="Its inner diameter. [default: the pipe's]")]
+BRANCH_AT = Annotated[str | None, typer.Option(help="Where it leaves. [default: the middle]")]
+BRANCH_END = Annotated[str, typer.Option(help="Its far end: closed or reservoir.")]
+TOLERANCE = Annotated[str | None, typer.Option(help="Pressure; the esdirk pairs then choose their steps.")]
+CAVITATION = Annotated[bool, typer.Option("--cavitation", help="Vapour cavities; scheme ends or nodes.")]
+
 
 def line(
     length: Annotated[str, typer.Option(help="Length of the pipe.")] = "2.5 m",
     diameter: Annotated[str, typer.Option(help="Inner diameter.")] = "11 mm",
     oil: Annotated[str, typer.Option(help="rig: the oil of the rig.")] = "rig",
-    temperature: Annotated[str, typer.Option(help="Of the oil, up to 80 degC.")] = "40.07 degC",
+    temperature: Annotated[str, typer.Option(help="Of the oil, -20 to 80 degC.")] = "40.07 degC",
     viscosity: Annotated[str | None, typer.Option(help="Instead, in m^2/s or mm^2/s.")] = None,
     density: Annotated[str | None, typer.Option(help="Instead of that oil's.")] = None,
     speed: Annotated[str | None, typer.Option(help="Of waves; else from oil, wall and Young's modulus.")] = None,
@@ -40,13 +47,13 @@ def line(
     cells: Annotated[int, typer.Option(help="Along the pipe.")] = 50,
     step: Annotated[str | None, typer.Option(help="Of SPACE/TIME and the rig's lines.")] = None,
     courant: Annotated[float, typer.Option(help="Of moc, up to 1.")] = 1.0,
-    tolerance: Annotated[str | None, typer.Option(help="Pressure; the esdirk pairs then choose their steps.")] = None,
+    tolerance: TOLERANCE = None,
     poles: Annotated[int, typer.Option(help="Of friction zielke.")] = 100,
-    cavitation: Annotated[bool, typer.Option("--cavitation", help="Vapour cavities; scheme ends or nodes.")] = False,
-    branch: Annotated[str | None, typer.Option(help="Length of a branch; scheme moc.")] = None,
-    branch_diameter: Annotated[str | None, typer.Option(help="Its inner diameter. [default: the pipe's]")] = None,
-    branch_at: Annotated[str | None, typer.Option(help="Where it leaves. [default: the middle]")] = None,
-    branch_end: Annotated[str, typer.Option(help="Its far end: closed or reservoir.")] = "closed",
+    cavitation: CAVITATION = False,
+    branch: BRANCH = None,
+    branch_diameter: BRANCH_DIAMETER = None,
+    branch_at: BRANCH_AT = None,
+    branch_end: BRANCH_END = "closed",
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for line.png and line.csv.")] = Path(),
     as_json: AS_JSON = False,
 ) -> None:

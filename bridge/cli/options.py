@@ -27,9 +27,8 @@ def address(param: typer.CallbackParam, value: str | None) -> str | None:
         return value
     host, colon, port = value.rpartition(":")
     if not colon:
-        host, port = (
-            ("127.0.0.1", value) if value.isdecimal() else (value or "127.0.0.1", DEFAULT_ENDPOINT.rpartition(":")[2])
-        )
+        usual, _, port = DEFAULT_ENDPOINT.partition("/")[2].rpartition(":")
+        host, port = (usual, value) if value.isdecimal() else (value or usual, port)
     raise UsageError(f"--{param.name} {value}: an address begins with its protocol: write tcp/{host}:{port}")
 
 

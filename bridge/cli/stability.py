@@ -131,10 +131,10 @@ def _answer(found: "Advice") -> list[str]:
     """The gains that count, and what the own one does."""
     unit, wide = found.unit, found.wide_above
     above = _in(found.swings_above, unit) if found.swings_above.volts is not None else "no gain"
-    settles = (
-        f"below {_in(found.settles_below, unit)}" if found.settles_below.volts is not None else "at any gain tried"
+    settles, widely = (
+        "at any gain tried" if gain.volts is None else f"below {_in(gain, unit)}"
+        for gain in (found.settles_below, wide)
     )
-    widely = f"below {_in(wide, unit)}" if wide.volts is not None else "at any gain tried"
     own = [row.peak_to_peak for row in found.rows if row.gain.volts == found.gain.volts]
     by = f", by up to {own[0] * 1e3:.2g} mm peak to peak" if own and own[0] > 0.0 else ""
     return [
