@@ -129,6 +129,8 @@ def _print(found: "Advice") -> None:
 
 def _answer(found: "Advice") -> list[str]:
     """The gains that count, and what the own one does."""
+    from controller.stability.amplitude.swing import WIDE
+
     unit, wide = found.unit, found.wide_above
     above = _in(found.swings_above, unit) if found.swings_above.volts is not None else "no gain"
     settles, widely = (
@@ -138,7 +140,8 @@ def _answer(found: "Advice") -> list[str]:
     own = [row.peak_to_peak for row in found.rows if row.gain.volts == found.gain.volts]
     by = f", by up to {own[0] * 1e3:.2g} mm peak to peak" if own and own[0] > 0.0 else ""
     return [
-        f"Every motion settles {settles}, every one swings above {above}; none swings by more than 1 mm {widely}.",
+        f"Every motion settles {settles}, every one swings above {above}; none swings by more than "
+        f"{WIDE * 1e3:g} mm {widely}.",
         f"This loop {found.verdict.words}{by}.",
     ]
 

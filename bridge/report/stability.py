@@ -8,12 +8,13 @@ from bridge.drawing.colours import LIGHT
 from bridge.drawing.html import text
 from bridge.report.charts import RUNS, canvas
 from bridge.report.subject import Run
-from bridge.studies.stability.operating import OperatingPoint, edge_curves, operating_point, sentences
+from bridge.studies.stability.operating import CHARTED, OperatingPoint, edge_curves, operating_point, sentences
+from controller.stability.amplitude.swing import WIDE
 
 CAPTION = (
-    "By the theory of the reduced drive, with friction, saturation and card, after steps of 20 mm: below the lower "
-    "line the loop settles, between the lines it hunts by up to 1 mm peak to peak, above the upper line it may swing "
-    "by more. The dot is the run."
+    f"By the theory of the reduced drive, with friction, saturation and card, after steps of {CHARTED * 1e3:g} mm: "
+    f"below the lower line the loop settles, between the lines it hunts by up to {WIDE * 1e3:g} mm peak to peak, above "
+    "the upper line it may swing by more. The dot is the run."
 )
 
 
@@ -33,7 +34,13 @@ def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
     axis.fill_between(intervals * 1e3, 0.0, edges[:, 0], color=LIGHT["blue"], alpha=0.12, linewidth=0.0)
     axis.fill_between(intervals * 1e3, edges[:, 0], edges[:, 1], color=LIGHT["grey"], alpha=0.25, linewidth=0.0)
     axis.plot(intervals * 1e3, edges[:, 0], color=LIGHT["blue"], linewidth=1.2, label="settles below")
-    axis.plot(intervals * 1e3, edges[:, 1], color=LIGHT["red"], linewidth=1.2, label="swings by more than 1 mm above")
+    axis.plot(
+        intervals * 1e3,
+        edges[:, 1],
+        color=LIGHT["red"],
+        linewidth=1.2,
+        label=f"swings by more than {WIDE * 1e3:g} mm above",
+    )
     for (run, point), colour in zip(known, RUNS * len(known), strict=False):
         place = point.sample_period * 1e3, point.gain
         axis.plot(*place, "o", color=colour, markeredgecolor="white", markersize=8, label=run.name)

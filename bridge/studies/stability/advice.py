@@ -30,11 +30,12 @@ from controller.law import volts_per_percent
 from controller.reference import evaluate
 from controller.stability import Margins
 from controller.stability.amplitude.edges import Interval
+from controller.stability.amplitude.swing import WIDE
 from controller.stability.margins import GAIN_MARGIN
 
 RULE = (
-    f"1/{GAIN_MARGIN:g} of the gain below which none swings by more than 1 mm; the patient one also with one more "
-    "period of delay"
+    f"1/{GAIN_MARGIN:g} of the gain below which none swings by more than {WIDE * 1e3:g} mm; the patient one also with "
+    "one more period of delay"
 )
 LONGEST = 40  # sampling periods of delay that the linear theory takes: the work grows with the cube
 MOST_DELAY = 50.0  # sampling periods; more are likely a missing unit
@@ -151,7 +152,7 @@ class Advice(NamedTuple):
     verdict: Stability
     settles_below: GainInUnits
     swings_above: GainInUnits
-    wide_above: GainInUnits  # below: no motion swings by more than 1 mm
+    wide_above: GainInUnits  # below: no motion swings by more than WIDE
     steps: tuple[StepAdvice, ...]
     rows: tuple[RowAdvice, ...]
     points: dict[str, PointAdvice]  # linear, by the name of the point: rest, up, down; none for laws other than PD
