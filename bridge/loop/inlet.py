@@ -5,9 +5,9 @@ Nothing here knows clocks or networks: times are simulated nanoseconds that the 
 
 from typing import Any, NamedTuple
 
-from bridge.loop.safety import Gate, Watchdog
+from bridge.loop.safety import Gaps, Gate, Watchdog
 from bridge.scenario import Scenario
-from bridge.wire.messages import EventKind, Reason, refusal
+from bridge.wire.messages import EventKind, Reason, absence, refusal
 from controller.grid import NS, next_sample, to_ns
 from controller.hold import Hold, Segment
 
@@ -38,6 +38,7 @@ class Inlet:
         self._watchdog = Watchdog(to_ns(loop.command_timeout), grid, loop.after_timeout == "latch")
         self._hold = Hold(SAFE)
         self._first_due = next_sample(0, grid) + grid.delay  # of a controller that has not spoken yet [ns]
+        self._gaps = Gaps()
         self._notes: list[Note] = []
 
     @property
@@ -79,8 +80,11 @@ class Inlet:
         """Take a command; False when it is refused."""
         refused = self._gate.check(command, now, self._watchdog.blocks())
         if refused is not None:
-            self._note_refusal(*refused, command.source, command.sequence, command.apply_at)
+            if self._note_refusal(*refused, command.source, command.sequence, command.apply_at):
+                self._gaps.refuse(command, refused[0])
             return False
+        if gap := self._gaps.accept(command):
+            self.note(EventKind.MISSED, absence(*gap), command.source, command.sequence, command.apply_at)
         if self.safe:
             self._watchdog.clear()
             self.note(EventKind.RESUMED, "commands have resumed", command.source, command.sequence)
@@ -143,8 +147,11 @@ class Inlet:
         text = f"acted {behind / 1e6:g} ms late"
         self.note(EventKind.LATE, text, command.source, command.sequence, command.apply_at, now)
 
-    def _note_refusal(self, reason: Reason, text: str, source: int = 0, sequence: int = 0, apply_at: int = 0) -> None:
+    def _note_refusal(self, reason: Reason, text: str, source: int = 0, sequence: int = 0, apply_at: int = 0) -> bool:
+        """False when it is only counted."""
         count = self.refused[reason]
-        if count <= EVENTS_PER_REASON:
-            last = "; more of these are only counted" if count == EVENTS_PER_REASON else ""
-            self.note(EventKind.REFUSED, refusal(reason, f"{text}{last}"), source, sequence, apply_at)
+        if count > EVENTS_PER_REASON:
+            return False
+        last = "; more of these are only counted" if count == EVENTS_PER_REASON else ""
+        self.note(EventKind.REFUSED, refusal(reason, f"{text}{last}"), source, sequence, apply_at)
+        return True

@@ -112,6 +112,35 @@ def _latched(command: Any, now: int) -> Objection:
     return Reason.LATCHED, "the plant is in its safe state until reset"
 
 
+class Gaps:
+    """Which commands never came, or were refused without an event of their own.
+
+    Told by their sequence: a recorder that heard them could not know that they did not act.
+    """
+
+    def __init__(self) -> None:
+        self._source = 0
+        self._last = -1  # sequence of the last command that was taken
+        self._told = 0  # refusals that were told since then
+
+    def refuse(self, command: Any, reason: Reason) -> None:
+        """A command was refused, and an event says so."""
+        if reason not in (Reason.FOREIGN_RUN, Reason.SECOND_CONTROLLER):
+            self._turn_to(command.source)
+            self._told += command.sequence > self._last
+
+    def accept(self, command: Any) -> tuple[int, int] | None:
+        """First and last sequence of the gap before a command that is taken; None without a gap."""
+        self._turn_to(command.source)
+        first, last, told = self._last + 1, command.sequence - 1, self._told
+        self._last, self._told = command.sequence, 0
+        return (first, last) if last - first + 1 > told else None
+
+    def _turn_to(self, source: int) -> None:
+        if source != self._source:
+            self._source, self._last, self._told = source, -1, 0
+
+
 class Watchdog:
     """Safe state after `timeout` [ns of simulated time] without the command that was due."""
 

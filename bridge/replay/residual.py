@@ -11,6 +11,7 @@ from bridge.wire.messages import EventKind, Outgoing
 from twin.topology import CHANNELS
 
 EVENTS = "event"
+NOT_REPLAYED = (EventKind.REFUSED, EventKind.MISSED)
 
 
 class ReplayResult(NamedTuple):
@@ -53,7 +54,10 @@ class Residuals:
 
 
 def events_apart(mine: Recording, recorded: Recording) -> str | None:
-    """Where the events of two runs diverge, in one line. Refusals apart: when noise came is not known to the tick."""
+    """Where the events of two runs diverge, in one line. But for what was not taken.
+
+    Of a refused command it is not known to the tick when it came, and it is not handed in again.
+    """
     ours, theirs = _events(mine), _events(recorded)
     for one, other in zip(ours, theirs, strict=False):
         if one != other:
@@ -65,7 +69,7 @@ def events_apart(mine: Recording, recorded: Recording) -> str | None:
 
 
 def _events(recording: Recording) -> list[tuple[Any, ...]]:
-    found = [event for event in recording.messages(EVENTS) if event.kind != EventKind.REFUSED]
+    found = [event for event in recording.messages(EVENTS) if event.kind not in NOT_REPLAYED]
     return [(e.stamp, e.kind, e.source, e.command, e.apply_at, e.applied_at, e.text) for e in found]
 
 

@@ -1,18 +1,17 @@
 """When each recorded command reached the plant, as far as that can make a difference.
 
 One in time may be handed in as soon as its sample is taken: it acts at its own instant. One that came late is handed in
-at the instant it took effect, `applied_at` of its event. What the plant refused is left out.
+at the instant it took effect, `applied_at` of its event. What the plant refused or never heard is left out.
 """
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from bisect import bisect_left
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
-from bridge.wire.messages import EventKind
+from bridge.wire.messages import EventKind, missed_by
 from controller.grid import Sampling, to_ns
-from twin.sensors import put_out
 
 
 class Input(NamedTuple):
@@ -32,21 +31,31 @@ class Latch(NamedTuple):
 def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     """All inputs of a recorded run in the order of their instants."""
     events, grid = recording.messages("event"), scenario.loop.grid()
-    refused = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED}
+    commands = recording.messages("command")
+    unheard = _unheard(events, commands)
     known = {(e.source, e.command): e.stamp - grid.daq for e in events if e.kind == EventKind.RESUMED}
     known |= {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
-    latches, force = list(_latches(events, scenario, grid)), _in_force(recording, grid)
-    put = partial(put_out, bits=scenario.daq.output_bits) if scenario.daq.quantise_output else float
+    latches = list(_latches(events, scenario, grid))
     inputs = [Input(e.stamp - grid.daq, None) for e in events if e.kind == EventKind.RESET]
     reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
-    for command in recording.messages("command"):
+    for command in commands:
         name = command.source, command.sequence
-        if name in refused or (name not in known and _shut_out(command, put(command.spool), latches, force)):
+        if name in unheard:
             continue
         instant = known.get(name, _in_time(command, latches, grid))
         reached[command.source] = instant = max(instant, reached.get(command.source, 0))
         inputs.append(Input(instant, command))
     return sorted(inputs, key=lambda entry: (entry.instant, entry.command is not None))
+
+
+def _unheard(events: list[Any], commands: list[Any]) -> set[tuple[int, int]]:
+    """Source and sequence of the commands that the plant refused or that never came to it."""
+    unheard = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED}
+    for event in (event for event in events if event.kind == EventKind.MISSED):
+        sent = sorted(command.sequence for command in commands if command.source == event.source)
+        gap = missed_by(event)
+        unheard |= {(event.source, n) for n in sent[bisect_left(sent, gap.start) : bisect_left(sent, gap.stop)]}
+    return unheard
 
 
 def _in_time(command: Any, latches: list[Latch], grid: Sampling) -> int:
@@ -65,23 +74,3 @@ def _latches(events: list[Any], scenario: Scenario, grid: Sampling) -> Iterator[
             event.stamp - grid.daq for event in events if event.kind == EventKind.RESET and event.stamp >= safe.stamp
         ]
         yield Latch(safe.applied_at - grid.sample - timeout, min(resets, default=1 << 62))
-
-
-def _shut_out(command: Any, spool: float, latches: list[Latch], force: Callable[[int], float | None]) -> bool:
-    """Did it come while the plant was latched? One on its way at the reset shows in the value in force afterwards.
-
-    spool: what the card makes of the command's.
-    """
-    for latch in latches:
-        if command.apply_at > latch.since and command.sample_stamp < latch.until:
-            return command.apply_at < latch.until or force(command.apply_at) not in (None, spool)
-    return False
-
-
-def _in_force(recording: Recording, grid: Sampling) -> Callable[[int], float | None]:
-    """The recorded spool reference at the end of the tick in which an instant lies; None where it is not known."""
-    if not recording.counts.get("state"):
-        return lambda _: None
-    state = recording.columns("state")
-    known = dict(zip(state["stamp"].tolist(), state["reference"].tolist(), strict=True))
-    return lambda instant: known.get((instant // grid.daq + 1) * grid.daq)

@@ -50,6 +50,7 @@ class EventKind(StrEnum):
     STARTED = "started"
     ENDED = "ended"
     LATE = "late"
+    MISSED = "missed"  # commands of a controller never came, or were refused without an event of their own
     REFUSED = "refused"
     SAFE = "safe"
     RESET = "reset"
@@ -90,6 +91,17 @@ def refusal(reason: Reason, text: str) -> str:
 def reason_of(event: Any) -> str:
     """The reason in a `refused` event."""
     return event.text.partition(":")[0]
+
+
+def absence(first: int, last: int) -> str:
+    """The text of a `missed` event, by the first and the last sequence."""
+    return f"commands {first} to {last} were not taken"
+
+
+def missed_by(event: Any) -> range:
+    """The sequences in a `missed` event."""
+    words = event.text.split()
+    return range(int(words[1]), int(words[3]) + 1)
 
 
 def last_words(ending: Ending, ticks: int, reason: str = "") -> str:
@@ -158,7 +170,7 @@ OTHER_MESSAGES: dict[str, str] = {
 uint64 run_id
 uint64 sequence
 int64 stamp       # simulated [ns]
-string kind       # started, ended, late, refused, safe, reset, resumed, differs
+string kind       # started, ended, late, missed, refused, safe, reset, resumed, differs
 uint64 source     # of the command it is about, else 0
 uint64 command    # its sequence, else 0
 int64 apply_at    # when the command was to act [ns], else 0

@@ -155,6 +155,24 @@ def test_a_late_command_acts_from_the_last_integrated_instant_and_says_so():
     assert late.inlet.worst_lateness == 4 * MS
 
 
+def test_a_command_that_never_came_is_told_by_the_next_one():
+    """Not one that came and was refused, nor what an intruder leaves out."""
+    side = plant()
+    told = []
+    for tick in range(20):
+        stamp = side.now
+        if tick in (8, 9):
+            side.take(command(tick, stamp, stamp, math.nan))
+        elif tick not in (0, 1, 5, 14, 15):
+            side.take(command(tick, stamp, stamp, 0.1))
+            side.take(command(3 * tick, stamp, stamp, 0.1, source=99))
+        told += [m.message for m in side.tick() if m.topic == "event" and m.message.kind == "missed"]
+    assert [event.text.removesuffix(" were not taken") for event in told] == [
+        "commands 0 to 1", "commands 5 to 5", "commands 14 to 15",
+    ]  # fmt: skip
+    assert [event.command for event in told] == [2, 6, 16]
+
+
 def test_silence_centres_the_valve_within_the_timeout_and_a_tick():
     side = plant("loop.command_timeout=0.05")
     assert side.take(command(0, 0, 0, 1.0))
