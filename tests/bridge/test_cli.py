@@ -138,8 +138,19 @@ def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
     assert any("mm, at" in message and "Hz" in message for message in messages)
 
 
+SHORTER = {"hold-load": ("--set", "duration='300 s'")}  # as far as its bands go; whole among the long trials
+
+
 @pytest.mark.parametrize("name", ["square", "sine", "hold-load", "pid", "relay"])
 def test_check_passes_the_other_built_in_scenarios(name, tmp_path):
+    done = hydrotwin_here("check", name, *SHORTER.get(name, ()), cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.endurance
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("name", SHORTER)
+def test_check_passes_the_long_scenarios_whole(name, tmp_path):
     done = hydrotwin_here("check", name, cwd=tmp_path)
     assert done.returncode == 0, done.stdout
 

@@ -41,7 +41,6 @@ from bridge.figures.oil.viscosity import (
     measure,
     viscosity_columns,
 )
-from bridge.figures.stability.charts import CHARTS
 from twin.oil import exponential_viscosity, kinematic_viscosity
 from twin.rig import RIG
 from twin.seal import friction
@@ -85,9 +84,8 @@ FIRST = {module(name): name for name in reversed(FIGURES) if name not in (*LONG,
 
 
 def marks(name: str):
-    """Of the figures of a module one is drawn here, of the charts one more; the others are for the long trials."""
-    shown = name == FIRST.get(module(name)) or name == next(iter(CHARTS))
-    return () if shown else (pytest.mark.endurance, pytest.mark.timeout(900))
+    """Of the figures of a module one is drawn here; the others are for the long trials."""
+    return () if name == FIRST.get(module(name)) else (pytest.mark.endurance, pytest.mark.timeout(900))
 
 
 def test_every_figure_names_a_function_that_is_there():
