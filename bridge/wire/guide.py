@@ -44,12 +44,12 @@ A controller of your own, in any language that has Zenoh:
  7. Publish on <rig>/reference what you steer to, with each command and with its run_id, source, sequence and the
     measurement's stamp: the run is then judged against that. Without it the run is judged against the scenario's own
     reference. You need not publish a status.
- 8. Read <rig>/event. `refused` with your source says why a command was not taken: {REASONS}. The first of a kind is an
-    event, further ones are only counted. `second controller` means that the plant belongs to somebody else: leave.
-    `safe`: the valve is centred, since no command came for scenario.loop.command_timeout; the first command of all
-    ends that, and later ones too, unless scenario.loop.after_timeout is "latch": then every command is refused until
-    somebody says reset, `hydrotwin reset` or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment; the sequence
-    goes on counting.
+ 8. Read <rig>/event. `refused` with your source says why a command was not taken: {REASONS}. The first hundred of a
+    kind are events; `missed` names further ones, and commands that never came. `second controller` means that the
+    plant belongs to somebody else: leave. `safe`: the valve is centred, since no command came for
+    scenario.loop.command_timeout; the first command of all ends that, and later ones too, unless
+    scenario.loop.after_timeout is "latch": then every command is refused until somebody says reset, `hydrotwin reset`
+    or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment; the sequence goes on counting.
  9. The run is over when <rig>/status comes with role plant and another phase than running or safe. If the plant dies no
     status comes: its liveliness token <rig>/alive/plant/* is gone then.
 """
