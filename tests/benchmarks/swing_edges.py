@@ -32,10 +32,10 @@ MASSES = (120, 303)  # [kg]
 STEPS = (2, -2, 20, -20, 60, -60)  # [mm]
 LAWS: dict[str, tuple[str, ...]] = {
     "pd": (),
-    "pd tachometer": ("controller.derivative=0.02",),
+    "pd tachometer": ("controller.derivative=0.005",),
     "pd difference": ("controller.derivative=0.02", "controller.velocity=backward"),
     "pd filtered": ("controller.derivative=0.02", "controller.velocity=filtered"),
-    "pid": ("controller.kind=pid", "controller.integral=0.5"),
+    "pid": ("controller.kind=pid", "controller.integral=0.05"),
     "python": ("controller.law=examples/my_law.py:law",),
     "dead band": ("controller.compensate_overlap=false",),
 }

@@ -13,7 +13,7 @@ import pytest
 from bridge.recording.reader import Recording, read
 from bridge.wire.link import free_endpoint
 from bridge.wire.messages import TOPICS, struct_format
-from tests.support.processes import ROOT, hydrotwin, started
+from tests.support.processes import ROOT, UNDRAWN, hydrotwin, started
 
 EXAMPLES = ROOT / "examples"
 FOREIGN = EXAMPLES / "foreign_controller.py"
@@ -100,7 +100,7 @@ def test_a_law_of_ones_own_moves_the_piston_to_the_target(tmp_path):
         "--set",
         "controller.law=my_law:law",
     )
-    done = hydrotwin("run", "step", *options, "--record", str(path), cwd=EXAMPLES)
+    done = hydrotwin("run", "step", *options, "--record", str(path), *UNDRAWN, cwd=EXAMPLES)
     assert done.returncode == 0, done.stdout + done.stderr
     recording = read(path)
     assert recording.scenario().controller.model_dump()["law"] == "my_law:law"

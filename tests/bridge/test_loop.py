@@ -12,7 +12,6 @@ from bridge.scenario import load
 from controller.grid import NS
 from tests.support.processes import (
     COARSE,
-    hydrotwin,
     run_recorded,
     started,
     summary,
@@ -166,25 +165,10 @@ def test_any_law_of_a_user_closes_the_loop(folder, tmp_path):
         "    error = target.position - sample.position\n"
         "    return max(-1.0, min(1.0, 5.0 * error + (0.1 if error > 0 else -0.1))), None\n"
     )
-    path = folder / "mine.mcap"
-    done = hydrotwin(
-        *(
-            "run",
-            "step",
-            "--duration",
-            "3",
-            "--mode",
-            "lockstep",
-            "--set",
-            "controller.kind=python",
-            "--set",
-            "controller.law=mine:law",
-        ),
-        *("--record", str(path)),
-        cwd=tmp_path,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert read(path).columns("state")["position"][-1] == pytest.approx(0.16, abs=2e-3)
+    law = ("controller.kind=python", f"controller.law={tmp_path / 'mine.py'}:law")
+    changes = [word for change in law for word in ("--set", change)]
+    recording = run_recorded(folder / "mine.mcap", *SHORT, "--mode", "lockstep", *changes)
+    assert recording.columns("state")["position"][-1] == pytest.approx(0.16, abs=2e-3)
 
 
 def test_plants_of_two_names_share_one_network(folder):

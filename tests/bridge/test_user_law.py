@@ -13,7 +13,7 @@ from bridge.scenario import Scenario, load
 from bridge.scenario.controllers import Python
 from controller.law import Gains, Sample
 from controller.reference import Target
-from tests.support.processes import hydrotwin
+from tests.support.processes import UNDRAWN, hydrotwin
 
 ANSWER = "def law(sample, target, memory, gains):\n    return 0.25, memory\n"
 CALL = (Sample(0, 0.1, 0.0, 0.0, 0.0, 0.0), Target(0.1, 0.0), None, Gains(1.0, 0.0, "measured", 0.0, 0.01, 1.0, 0.0))
@@ -138,7 +138,7 @@ def test_what_names_no_function_is_refused(name: str):
 @pytest.mark.parametrize("mode", ["inprocess", "lockstep"])
 def test_a_failing_law_ends_a_run_with_its_line(elsewhere: Path, mode: str):
     (elsewhere / "controller.py").write_text("def law(sample, target, memory, gains):\n    return 1 / 0, memory\n")
-    done = hydrotwin("run", scenario_with(elsewhere, "controller:law"), "--mode", mode, cwd=Path.cwd())
+    done = hydrotwin("run", scenario_with(elsewhere, "controller:law"), "--mode", mode, *UNDRAWN, cwd=Path.cwd())
     assert done.returncode == 1
     assert "controller.py, line 2: ZeroDivisionError: division by zero" in (done.stdout + done.stderr).replace("\n", "")
     assert "Traceback" not in done.stdout + done.stderr

@@ -1,5 +1,6 @@
 """What makes a run good is the same in every mode; a bad one exits with 1, and its main reason comes first."""
 
+import json
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,7 +15,7 @@ from bridge.recording.verdict import verdict
 from bridge.scenario import load
 from bridge.wire.messages import Outgoing
 from tests.support.command import hydrotwin_here
-from tests.support.processes import hydrotwin
+from tests.support.processes import UNDRAWN, hydrotwin
 
 LAW = "def law(sample, target, memory, gains):\n    {}\n"
 BAD_LAWS = {  # what it answers, and how the first line begins
@@ -59,21 +60,21 @@ def test_a_law_that_answers_nonsense_fails_the_run(tmp_path: Path, body: str):
 def test_refusals_fail_a_run_of_processes_in_the_same_words(tmp_path: Path, mode: str):
     """In lockstep a bad answer is an answer: the run goes to its end as in process, and each one is counted."""
     (tmp_path / "mine.py").write_text(LAW.format("return 3.0, memory"))
-    done = hydrotwin("run", "step", "--mode", mode, *QUICK, "--set", "real_time.overruns=1.0", cwd=tmp_path)
+    done = hydrotwin("run", "step", "--mode", mode, *QUICK, *UNDRAWN, "--set", "real_time.overruns=1.0", cwd=tmp_path)
     assert done.returncode == 1
-    first, second, *_ = done.stdout.splitlines()
-    assert first.startswith("FAILED: the plant refused ")
+    first, second, *_ = json.loads(done.stdout)["faults"]
+    assert first.startswith("the plant refused ")
     assert "out of range: spool reference 3 is outside -1 to 1" in first
-    assert second.startswith("FAILED: the plant went to its safe state 1 time, first at 0.106 s: no valid command")
+    assert second.startswith("the plant went to its safe state 1 time, first at 0.106 s: no valid command")
     if mode == "lockstep":
         assert read(tmp_path / "a.mcap").metadata["summary"]["commands"]["refused"] == {"out of range": 30}
 
 
 def test_a_law_that_never_answers_is_named_in_lockstep(tmp_path: Path):
     (tmp_path / "mine.py").write_text("import time\n" + LAW.format("time.sleep(3.0); return 0.0, memory"))
-    done = hydrotwin("run", "step", "--mode", "lockstep", "--patience", "1", *QUICK, cwd=tmp_path)
+    done = hydrotwin("run", "step", "--mode", "lockstep", "--patience", "1", *QUICK, *UNDRAWN, cwd=tmp_path)
     assert done.returncode == 1
-    first = done.stdout.splitlines()[0]
+    first = json.loads(done.stdout)["faults"][0]
     assert "the controller has not answered the measurement of tick 0 (t = 0 s) within 1 s" in first
 
 
