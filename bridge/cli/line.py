@@ -8,6 +8,13 @@ import typer
 from bridge.cli.options import AS_JSON
 from bridge.cli.outputs import print_json
 
+SCHEME = Annotated[
+    str,
+    typer.Option(
+        help="moc; SPACE/TIME of cds3, cds5, fem, chebyshev and backward-euler, bdf2, esdirk3, esdirk4, esdirk5; "
+        "ends, nodes, lumped (the rig's); exact."
+    ),
+]
 BRANCH = Annotated[str | None, typer.Option(help="Length of a branch; scheme moc.")]
 BRANCH_DIAMETER = Annotated[str | None, typer.Option(help="Its inner diameter. [default: the pipe's]")]
 BRANCH_AT = Annotated[str | None, typer.Option(help="Where it leaves. [default: the middle]")]
@@ -33,13 +40,7 @@ def line(
     rise: Annotated[str, typer.Option(help="Pressure added by a push.")] = "10 bar",
     closure: Annotated[str, typer.Option(help="Time to shut, open or push.")] = "1 ms",
     span: Annotated[str | None, typer.Option(help="Simulated time. [default: 20 wave travel times]")] = None,
-    scheme: Annotated[
-        str,
-        typer.Option(
-            help="moc; SPACE/TIME of cds3, cds5, fem, chebyshev and backward-euler, bdf2, esdirk3, esdirk4, esdirk5; "
-            "ends, nodes, lumped (the rig's); exact."
-        ),
-    ] = "moc",
+    scheme: SCHEME = "moc",
     friction: Annotated[
         str,
         typer.Option(help="none, steady, quasi-steady, brunone, zielke, trikha, kagawa, schohl, fit or convolution."),
