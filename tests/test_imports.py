@@ -18,7 +18,9 @@ COMPONENTS = (
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (
-        ("topology", "rig", "integration", "cache_folder", "compiled_code"),
+        ("topology", "rig", "integration", "cache_folder", "sealed_files"),
+        ("compiled_code", "native_code"),
+        ("compiler",),
         ("kernel",),
         COMPONENTS,
         ("seats", "lines"),

@@ -1,31 +1,27 @@
 """How the hot functions are compiled: without the interpreter's lock, kept on disk under a hash of the sources.
 
 numba's own cache looks at one file only and would go stale when a component that a kernel calls has changed; a
-directory named by all sources cannot.
+directory named by all sources cannot. numba is imported when something must be compiled, and not before: its import
+takes longer than the rest of a start.
 """
 
 import inspect
+import os
 from collections.abc import Callable
-from functools import update_wrapper
+from functools import cache, cached_property, update_wrapper
 from typing import Any, Generic, ParamSpec, TypeVar, get_type_hints
 
-import numba
-from numba.core import config, types
-from numba.extending import overload
-
 from twin.cache_folder import cache_directory
-from twin.compiled_code import KernelCache
+from twin.native_code import Entry, Loaded, kept, kinds
 
 F = TypeVar("F", bound=Callable[..., Any])
 P = ParamSpec("P")
 R = TypeVar("R")
 FOLDER = cache_directory()
-INTERPRETED = bool(config.DISABLE_JIT)  # pyright: ignore[reportAttributeAccessIssue] # as debuggers set it: slow
+INTERPRETED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")  # as debuggers set it: slow
 
 LEAN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
 COPIED: Any = LEAN | {"forceinline": True, "no_cfunc_wrapper": True}  # kept on disk as part of what calls them
-
-config.CACHE_DIR = str(FOLDER or "")  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def kernel(function: F) -> F:
@@ -38,13 +34,67 @@ def kernel(function: F) -> F:
 
 
 def entry(function: Callable[..., Any], *examples: Any) -> Callable[..., Any]:
-    """The code of a kernel for arguments of the types of some examples, without numba's look at them at every call.
+    """The code of a kernel for arguments of the types of some examples, for one thread at a time.
 
-    The look at eight arguments takes as long as a step of the plant. Arrays must be contiguous, as the examples are.
+    It is found without numba where it was compiled before. Arrays must be contiguous, as the examples are; what the
+    kernel returns is None or a number.
     """
     if INTERPRETED:
         return function
-    return function.compile(tuple(map(numba.typeof, examples)))  # pyright: ignore[reportFunctionMemberAccess]
+    return Entry(_loaded(function, Alike(examples)), examples)
+
+
+def interpreted(function: F) -> F:
+    """The source of a kernel, for a few calls from Python: cheaper than numba's import, and as slow as Python."""
+    return function.py_func  # pyright: ignore[reportFunctionMemberAccess]
+
+
+class Alike:
+    """Examples that are equal when numba sees the same types in them."""
+
+    def __init__(self, examples: tuple[Any, ...]) -> None:
+        self.examples = examples
+        self._kinds = kinds(examples)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Alike) and self._kinds == other._kinds
+
+    def __hash__(self) -> int:
+        return hash(self._kinds)
+
+
+@cache
+def _loaded(function: Any, alike: Alike) -> Loaded:
+    def make() -> Any:
+        from twin.compiler import native_code
+
+        return native_code(function.py_func, alike.examples, **function.options)
+
+    return Loaded(kept(FOLDER, f"{function.__module__}.{function.__qualname__}", alike.examples, make))
+
+
+class _Kernel:
+    """A function that numba compiles when Python or another kernel first calls it."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        self.py_func = function
+        self.options = options
+        update_wrapper(self, function)
+
+    @cached_property
+    def compiled(self) -> Any:
+        """numba's function."""
+        from twin.compiler import compiled_function
+
+        return self.py_func if INTERPRETED else compiled_function(self.py_func, FOLDER, self.options)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba sees where a kernel calls this one."""
+        return self.compiled._numba_type_
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        return self.compiled(*arguments, **named)
 
 
 def inlined(function: F) -> F:
@@ -53,25 +103,20 @@ def inlined(function: F) -> F:
     numba hands a tuple over number by number, so a call costs as much as the equations of a small component: a function
     in the innermost loop that has few callers is better copied into them.
     """
-    return _Inlined(function)  # pyright: ignore[reportReturnType]
+    return _Inlined(function, LEAN)  # pyright: ignore[reportReturnType]
 
 
-class _Inlined:
+class _Inlined(_Kernel):
     """A function that kernels copy and Python may call.
 
     The way in from Python is a quarter of numba's work on a small function, so it is made when Python first calls.
     """
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self.py_func = function
-        self._from_python: Callable[..., Any] | None = None
-        update_wrapper(self, function)
-        overload(self, jit_options=COPIED, strict=False)(lambda *_, **__: function)
+    @cached_property
+    def _numba_type_(self) -> Any:
+        from twin.compiler import chosen_when_compiled
 
-    def __call__(self, *arguments: Any, **named: Any) -> Any:
-        if self._from_python is None:
-            self._from_python = _compiled(self.py_func, **LEAN)
-        return self._from_python(*arguments, **named)
+        return chosen_when_compiled(self, lambda *_, **__: self.py_func, COPIED)
 
 
 def by_type(general: Callable[P, R]) -> "ByType[P, R]":
@@ -87,9 +132,14 @@ class ByType(Generic[P, R]):
     """A function with a variant for each type of its first argument."""
 
     def __init__(self, general: Callable[P, R]) -> None:
-        self._variants: dict[type, _Inlined] = {}
+        self._variants: dict[type, Callable[..., R]] = {}
         update_wrapper(self, general)
-        overload(self, jit_options=COPIED, strict=False)(self._source)
+
+    @cached_property
+    def _numba_type_(self) -> Any:
+        from twin.compiler import chosen_when_compiled
+
+        return chosen_when_compiled(self, self._source, COPIED)
 
     def __call__(self, *arguments: P.args, **_: P.kwargs) -> R:
         first = arguments[0]
@@ -104,18 +154,35 @@ class ByType(Generic[P, R]):
         kind = get_type_hints(variant)[first]
         if any(field_names(kind) == field_names(other) for other in self._variants):
             raise TypeError(f"{kind.__name__} has the fields of another variant: a record could not tell them apart")
-        self._variants[kind] = _Inlined(variant)
+        self._variants[kind] = inlined(variant)
         return variant
 
     def _source(self, *arguments: Any) -> Callable[..., Any] | None:
         """The variant for numba's types: a NamedTuple knows its class, a record the names of its fields."""
         first = arguments[0]
+        fields = tuple(getattr(first, "fields", ()))
         for kind, variant in self._variants.items():
-            if getattr(first, "instance_class", None) is kind:
-                return variant.py_func
-            if isinstance(first, types.Record) and tuple(first.fields) == field_names(kind):
-                return variant.py_func
+            if getattr(first, "instance_class", None) is kind or fields == field_names(kind):
+                return variant.py_func  # pyright: ignore[reportFunctionMemberAccess]
         return None
+
+
+class _Rows:
+    """`rows`, whose compiled code calls nothing of numba's, as `reshape` does."""
+
+    __name__ = "rows"
+
+    def __call__(self, flat: Any, count: int, width: int) -> Any:
+        return flat.reshape(count, width)
+
+    @cached_property
+    def _numba_type_(self) -> Any:
+        from twin.compiler import type_of_rows
+
+        return type_of_rows(self)
+
+
+rows = _Rows()  # (flat, count, width): a contiguous array as a view of `count` rows
 
 
 def field_names(kind: type) -> tuple[str, ...]:
@@ -134,7 +201,4 @@ def allocating_kernel(function: F) -> F:
 
 
 def _compiled(function: F, **options: Any) -> F:
-    compiled = numba.njit(**options)(function)
-    if FOLDER and not INTERPRETED:
-        compiled._cache = KernelCache(function)  # pyright: ignore[reportAttributeAccessIssue]
-    return compiled  # pyright: ignore[reportReturnType]
+    return _Kernel(function, options)  # pyright: ignore[reportReturnType]

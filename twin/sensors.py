@@ -35,7 +35,8 @@ def card_of(daq: Any) -> Card:
     spans = np.array([float(getattr(daq, channel.span)) for channel in CHANNELS.values()])
     signed = np.array([channel.signed for channel in CHANNELS.values()])
     fitted = np.array([bool(getattr(daq, c.switch)) if c.switch else True for c in CHANNELS.values()])
-    return Card(daq.bits, np.where(signed, -spans, 0.0), spans, fitted, daq.noise, daq.skew, daq.quantise, daq.clip)
+    numbers = float(daq.bits), np.where(signed, -spans, 0.0), spans, fitted, float(daq.noise), float(daq.skew)
+    return Card(*numbers, bool(daq.quantise), bool(daq.clip))
 
 
 def noise_block(seed: int, block: int) -> NDArray[np.float64]:

@@ -8,6 +8,8 @@ from bridge.wire.codec import LineProfile
 from bridge.wire.messages import Outgoing
 from twin.circuit.block import Compiled
 from twin.circuit.profile import XI, along_lines
+from twin.circuit.state import MEMORY_AT
+from twin.kernel import entry
 from twin.topology import HOLLOWS, LINES, POINTS
 
 
@@ -19,10 +21,12 @@ class LineProfiles:
         self._circuit = circuit
         self._pressure = np.zeros((LINES, POINTS))
         self._cavity = np.zeros(len(HOLLOWS))
+        examples = np.zeros(MEMORY_AT), *circuit, XI, self._pressure, self._cavity
+        self._along_lines = entry(along_lines, *examples)
 
     def message(self, state: Any, sequence: int, tick: int, stamp: int) -> Outgoing:
         """What stands along the lines in a flat state."""
-        along_lines(state, *self._circuit, XI, self._pressure, self._cavity)
+        self._along_lines(state, *self._circuit, XI, self._pressure, self._cavity)
         profile = LineProfile(
             run_id=self._run_id,
             sequence=sequence,

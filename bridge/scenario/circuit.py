@@ -21,8 +21,8 @@ from twin.circuit.build import build
 from twin.circuit.equilibrium import SupplyAtRest, equilibrium, supply_at_rest
 from twin.circuit.state import flatten
 from twin.circuit.step import Circuit
-from twin.compiled_code import Files
 from twin.kernel import FOLDER
+from twin.sealed_files import Files
 
 REMEMBERED = 8  # in a process: a sweep over a number of the rig needs each circuit only for a while
 KEPT = 400  # files, of some 20 kB; the oldest go

@@ -35,7 +35,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache of its own, and a module with one kernel beside it."""
     (tmp_path / "small.py").write_text(SOURCE, encoding="utf-8")
     monkeypatch.setattr(kernel, "FOLDER", tmp_path / "cache")
-    monkeypatch.setattr(kernel.config, "CACHE_DIR", str(tmp_path / "cache"))
     return tmp_path
 
 

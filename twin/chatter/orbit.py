@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from twin.chatter.equilibrium import bare, onset, rest
 from twin.chatter.system import SeatLaw, System, derivative, outflow
 from twin.integration import integrate
+from twin.kernel import interpreted
 
 Array = NDArray[np.floating]
 TOLERANCE = 3e-14  # of the integration, relative
@@ -58,7 +59,7 @@ def variation(start: Array, time: float, s: System, free: str, tolerance: float 
 
 
 def _phi(y1: float, y3: float, law: SeatLaw) -> float:
-    return outflow.py_func(y1, y3, law)  # pyright: ignore[reportFunctionMemberAccess]
+    return interpreted(outflow)(y1, y3, law)
 
 
 def _slopes(y1: float, y3: float, law: SeatLaw) -> tuple[float, float]:

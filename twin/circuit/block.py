@@ -102,7 +102,8 @@ def buffers() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return np.zeros((2, len(CHANNELS))), np.zeros(len(OBSERVED))
 
 
-Block = Callable[[NDArray[np.float64], float, int, NDArray[np.float64], NDArray[np.float64]], None]
+Array = NDArray[np.float64]
+Block = Callable[[Array, float, int, Array, Array], None]
 
 
 def block_of(plant: Compiled) -> Block:
@@ -111,8 +112,24 @@ def block_of(plant: Compiled) -> Block:
     reference: of the spool, constant over the `steps`. taps, seen: of `buffers`; filled with what the CHANNELS touch, a
     step before the end and at the end, and with the OBSERVED quantities at the end. All arrays contiguous.
     """
+    if INTERPRETED:
+        return partial(_run_block, *plant)
     taps, seen = buffers()
-    return partial(entry(_run_block, *plant, np.zeros(MEMORY_AT), 0.0, 1, taps, seen), *plant)
+    state = np.zeros(MEMORY_AT)
+    run = entry(_run_block, *plant, state, 0.0, 1, taps, seen)
+    floats, slots, reference_at, steps_at = run.floats, run.slots, run.begins[4], run.begins[5]
+    last = state, taps, seen
+
+    def block(state: Array, reference: float, steps: int, taps: Array, seen: Array) -> None:
+        nonlocal last
+        if state is not last[0] or taps is not last[1] or seen is not last[2]:
+            for place, array in ((3, state), (6, taps), (7, seen)):
+                run.put(place, array)
+            last = state, taps, seen
+        floats[reference_at], slots[steps_at] = reference, steps
+        run.run()
+
+    return block
 
 
 @kernel

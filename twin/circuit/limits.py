@@ -7,6 +7,7 @@ import numpy as np
 
 from twin.circuit.step import Circuit
 from twin.cylinder import Chambers, chamber_volumes
+from twin.kernel import interpreted
 from twin.seal import least_mass
 from twin.topology import PIPES
 
@@ -92,7 +93,7 @@ def stiffest_oil_spring(circuit: Circuit) -> float:
 def oil_spring(circuit: Circuit, position: float) -> float:
     """Stiffness [N/m] of the oil in both chambers, the lines shut off, the piston at a position [m]."""
     cylinder = circuit.parts.cylinder
-    volume = chamber_volumes(position, cylinder)
+    volume = interpreted(chamber_volumes)(position, cylinder)
     areas = Chambers(cylinder.area_lower, cylinder.area_upper)
     return cylinder.bulk_modulus * sum(area**2 / v for area, v in zip(areas, volume, strict=True))
 
@@ -100,7 +101,7 @@ def oil_spring(circuit: Circuit, position: float) -> float:
 def natural_frequency(circuit: Circuit, position: float) -> float:
     """omega_h [rad/s] of the load on the oil of chambers and cylinder lines, both ends of the valve shut."""
     cylinder, lines = circuit.parts.cylinder, circuit.lines
-    volume = chamber_volumes(position, cylinder)
+    volume = interpreted(chamber_volumes)(position, cylinder)
     lower = volume.lower / cylinder.bulk_modulus + lines.capacity[2]
     upper = volume.upper / cylinder.bulk_modulus + lines.capacity[3]
     stiffness = cylinder.area_lower**2 / lower + cylinder.area_upper**2 / upper

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.kernel import inlined, kernel
+from twin.kernel import inlined, kernel, rows
 from twin.lines import chunks, ends, lumped, nodes
 from twin.lines.friction import turbulence, turbulence_slope
 from twin.lines.spec import LOSSES, MODELS, LineNumbers, LineSpec, derive
@@ -141,15 +141,15 @@ def unpacked(w, f) -> Bank:
         f[b[4] : b[5]],
         f[b[5] : b[6]],
         w[w[3] : w[4]],
-        w[w[4] : w[5]].reshape((n_ends, chunks.LAYOUT * chunks.LANES)),
-        f[b[6] : b[7]].reshape((n_ends, chunks.NUMBERS * chunks.LANES)),
+        rows(w[w[4] : w[5]], n_ends, chunks.LAYOUT * chunks.LANES),
+        rows(f[b[6] : b[7]], n_ends, chunks.NUMBERS * chunks.LANES),
         w[w[5] : w[6]],
         w[w[6] : w[7]],
-        w[w[7] : w[8]].reshape((n_nodes, nodes.LAYOUT)),
-        f[b[7] : b[8]].reshape((n_nodes, nodes.NUMBERS)),
+        rows(w[w[7] : w[8]], n_nodes, nodes.LAYOUT),
+        rows(f[b[7] : b[8]], n_nodes, nodes.NUMBERS),
         w[w[8] : w[9]],
         w[w[9] : w[10]],
-        f[b[8] : b[9]].reshape((n_lumped, lumped.NUMBERS)),
+        rows(f[b[8] : b[9]], n_lumped, lumped.NUMBERS),
     )
 
 
