@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import distribution
 from pathlib import Path
 
 SOURCES = ("twin", "controller")
@@ -38,6 +38,15 @@ def fingerprint() -> str:
     options = [os.environ.get(name, "") for name in OPTIONS]
     digest.update(repr((sys.implementation.cache_tag, compilers, options)).encode())
     return digest.hexdigest()[:16]
+
+
+def version(package: str) -> str:
+    """The version of an installed package, from the one line that says it. Raises PackageNotFoundError.
+
+    `importlib.metadata.version` reads the whole description of the package as a mail.
+    """
+    lines = (distribution(package).read_text("METADATA") or "").splitlines()
+    return next(line.partition(":")[2].strip() for line in lines if line.startswith("Version:"))
 
 
 def cache_directory() -> Path | None:

@@ -3,8 +3,10 @@
 import os
 import platform
 import sys
-from importlib import metadata
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
+
+from twin.cache_folder import version
 
 PACKAGES = ("hydrotwin", "numpy", "numba", "scipy", "eclipse-zenoh", "mcap", "rosbags", "control", "rerun-sdk")
 
@@ -14,8 +16,8 @@ def versions() -> dict[str, str]:
     found = {"python": platform.python_version()}
     for name in PACKAGES:
         try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
+            found[name] = version(name)
+        except PackageNotFoundError:
             found[name] = "absent"
     return found
 

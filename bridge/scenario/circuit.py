@@ -7,7 +7,6 @@ lines.
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import lru_cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from bridge.errors import ScenarioError
 from bridge.scenario.model import Scenario
+from twin.cache_folder import version
 from twin.circuit.build import build
 from twin.circuit.equilibrium import SupplyAtRest, equilibrium, supply_at_rest
 from twin.circuit.state import flatten

@@ -17,14 +17,13 @@ from bridge.wire.messages import Mode
 
 HEAVY = ("numba", "scipy", "matplotlib", "control", "mcap", "rerun", "rosbags")
 HOT = (
-    "scipy.linalg",
-    "scipy.optimize",
-    "scipy.special",
+    "numba",
+    "scipy",
     "matplotlib",
     "control",
     "rerun",
     "rich",
-)  # numba has scipy itself
+)
 LISTS = (
     *("bridge.wire.messages", "bridge.wire.link", "bridge.scenario", "bridge.scenario.bands", "bridge.errors"),
     *(
@@ -39,10 +38,10 @@ LISTS = (
 )
 PROCESSES = {
     "bridge.processes.plant": HOT,
-    "bridge.processes.controller": (*HOT, "numba", "mcap"),
-    "bridge.processes.recorder.process": (*HOT, "numba"),
+    "bridge.processes.controller": (*HOT, "mcap"),
+    "bridge.processes.recorder.process": HOT,
     "bridge.processes.router": HEAVY,
-    "bridge.processes.supervisor": (*HOT, "numba", "mcap"),
+    "bridge.processes.supervisor": (*HOT, "mcap"),
 }
 WORDS = (
     *("--help", "run --help", "scenarios", "scenarios --json", "schema", "messages", "messages --json", "figures"),
@@ -129,6 +128,13 @@ def test_a_scenario_that_is_refused_by_name_waits_for_no_model():
 @pytest.mark.parametrize("module", PROCESSES)
 def test_processes_of_the_loop_load_only_what_they_run(module: str):
     assert loaded([module], PROCESSES[module]) == {module: (0, [])}
+
+
+def test_a_run_of_what_was_compiled_before_needs_neither_compiler_nor_solver(tmp_path: Path):
+    command = f"hydrotwin run step --mode inprocess --duration 0.05 --record {tmp_path / 'run.mcap'} --json -"
+    loaded([command], ())  # compiles where nothing is kept, and builds the circuit
+    unused = (*(name for name in HOT if name != "rich"), "twin.compiler")
+    assert loaded([command], unused) == {command: (0, [])}
 
 
 def test_a_figure_is_imported_when_it_is_asked_for():

@@ -52,7 +52,7 @@ def hits(folder: Path) -> int:
     """How often a call was answered from disk, after it gave the right result."""
     doubled = imported(folder).doubled
     assert doubled(21.0) == 42.0
-    return sum(doubled.stats.cache_hits.values())
+    return sum(doubled.compiled.stats.cache_hits.values())
 
 
 def kept(folder: Path) -> list[Path]:
@@ -82,7 +82,7 @@ def test_code_of_another_signature_is_not_taken(folder: Path):
     (folder / "third").rename(two)
     again = imported(folder).doubled
     assert (again(1.5), again(2)) == (3.0, 4.0)
-    assert not again.stats.cache_hits
+    assert not again.compiled.stats.cache_hits
 
 
 def test_a_disk_that_refuses_costs_a_compilation_and_leaves_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch):
@@ -107,7 +107,7 @@ def test_processes_that_compile_at_one_time_leave_one_whole_file(folder: Path):
     command = [
         sys.executable,
         "-c",
-        "import small; assert small.doubled(21.0) == 42.0; print(*small.doubled.stats.cache_hits.values())",
+        "import small; assert small.doubled(21.0) == 42.0; print(*small.doubled.compiled.stats.cache_hits.values())",
     ]
     running = [subprocess.Popen(command, env=environment) for _ in range(2)]
     assert [process.wait(timeout=100) for process in running] == [0, 0]

@@ -1,7 +1,6 @@
 """Lines seen from their ends: against the exact line, what they keep, and what they never do."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,6 +30,7 @@ from tests.support.exact_line import (
     run,
     simulate,
 )
+from twin.kernel import interpreted
 from twin.lines.bank import (
     Bank,
     arriving,
@@ -293,9 +293,8 @@ def test_profile_without_friction_is_exact():
 
 def test_a_packed_bank_is_the_same_bank():
     """Every field, in its place; in Python, as kernels without numba's memory runtime hand out no arrays."""
-    interpreted: Any = unpacked
     bank = bank_of([RIG[0].spec("ends"), RIG[1].spec("nodes"), RIG[2].spec("lumped"), RIG[3].spec("ends")], 50e-6, -1e5)
-    for name, ours, back in zip(Bank._fields, bank, interpreted.py_func(*packed(bank)), strict=True):
+    for name, ours, back in zip(Bank._fields, bank, interpreted(unpacked)(*packed(bank)), strict=True):
         assert np.array_equal(ours, back), name
         assert np.shape(ours) == np.shape(back), name
 
