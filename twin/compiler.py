@@ -51,7 +51,8 @@ def _rows(_: Any, flat: Any, count: Any, width: Any) -> Any:
 
 def native_code(function: Any, examples: tuple[Any, ...], **options: Any) -> NativeCode:
     """Compile a function for arguments of the types of the examples. It returns None or a number."""
-    dispatcher: Any = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)(function)
+    bare: Any = options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    dispatcher: Any = numba.njit(**bare)(function)
     dispatcher.compile(tuple(map(numba.typeof, examples)))
     (result,) = dispatcher.overloads.values()
     returned = result.signature.return_type

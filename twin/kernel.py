@@ -88,10 +88,13 @@ class _Kernel:
 
         return self.py_func if INTERPRETED else compiled_function(self.py_func, FOLDER, self.options)
 
-    @property
+    @cached_property
     def _numba_type_(self) -> Any:
         """What numba sees where a kernel calls this one."""
         return self.compiled._numba_type_
+
+    def __reduce__(self) -> str:
+        return self.__qualname__  # pyright: ignore[reportAttributeAccessIssue] # pickled by name, as a function
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         return self.compiled(*arguments, **named)

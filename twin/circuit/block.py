@@ -116,7 +116,7 @@ def block_of(plant: Compiled) -> Block:
         return partial(_run_block, *plant)
     taps, seen = buffers()
     state = np.zeros(MEMORY_AT)
-    run = entry(_run_block, *plant, state, 0.0, 1, taps, seen)
+    run: Any = entry(_run_block, *plant, state, 0.0, 1, taps, seen)
     floats, slots, reference_at, steps_at = run.floats, run.slots, run.begins[4], run.begins[5]
     last = state, taps, seen
 
