@@ -12,7 +12,7 @@ from contextlib import suppress
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from llvmlite import binding
@@ -21,7 +21,6 @@ from twin.sealed_files import Files
 
 CALLER = "call_from_slots"
 RESULT, ERROR, FIRST = 0, 1, 2  # slots: the result, numba's word on an exception, the first argument
-Slots = ctypes.Array[ctypes.c_int64]
 
 
 class NativeCode(NamedTuple):
@@ -102,9 +101,10 @@ class Entry:
         self._last: list[Any] = [None] * len(examples)
         sizes = [len([*_numbers(example)]) for example in examples]
         self.begins = [FIRST + sum(sizes[:place]) for place in range(len(sizes))]
-        self.slots = (ctypes.c_int64 * (FIRST + sum(sizes)))()
-        self.floats = (ctypes.c_double * len(self.slots)).from_buffer(self.slots)
-        self.address = ctypes.addressof(self.slots)
+        slots = (ctypes.c_int64 * (FIRST + sum(sizes)))()
+        self.whole = memoryview(slots).cast("B").cast("q")
+        self.floats = memoryview(slots).cast("B").cast("d")
+        self.address = ctypes.c_void_p(ctypes.addressof(slots))  # a whole number would be made into one at every call
         for place, example in enumerate(examples):
             self.put(place, example)
 
@@ -118,19 +118,23 @@ class Entry:
         """Write an argument into its slots, for all further runs."""
         begin, kind = self.begins[place], self._kinds[place]
         if kind in ("float", "int"):
-            (self.floats if kind == "float" else self.slots)[begin] = argument
+            (self.floats if kind == "float" else self.whole)[begin] = argument
         elif kinds(argument) != kind:
             raise TypeError(f"argument {place} is {kinds(argument)}, not {kind}")
         else:
             for slot, number in zip(count(begin), _numbers(argument)):
-                (self.floats if isinstance(number, float) else self.slots)[slot] = number
+                (self.floats if isinstance(number, float) else self.whole)[slot] = number
         self._last[place] = argument
 
     def run(self) -> Any:
         """Call the kernel with what its slots hold."""
         if self.call(self.address):
-            raise RuntimeError("the kernel has raised an exception")
+            self.failed()
         return self.floats[RESULT] if self._returns else None
+
+    def failed(self) -> NoReturn:
+        """What a call of a kernel that does not return 0 has to say."""
+        raise RuntimeError("the kernel has raised an exception")
 
 
 def _numbers(value: Any) -> Iterator[float]:

@@ -117,7 +117,8 @@ def block_of(plant: Compiled) -> Block:
     taps, seen = buffers()
     state = np.zeros(MEMORY_AT)
     run: Any = entry(_run_block, *plant, state, 0.0, 1, taps, seen)
-    floats, slots, reference_at, steps_at = run.floats, run.slots, run.begins[4], run.begins[5]
+    call, address, reference_at, steps_at = run.call, run.address, run.begins[4], run.begins[5]
+    floats, whole = run.floats, run.whole
     last = state, taps, seen
 
     def block(state: Array, reference: float, steps: int, taps: Array, seen: Array) -> None:
@@ -126,8 +127,9 @@ def block_of(plant: Compiled) -> Block:
             for place, array in ((3, state), (6, taps), (7, seen)):
                 run.put(place, array)
             last = state, taps, seen
-        floats[reference_at], slots[steps_at] = reference, steps
-        run.run()
+        floats[reference_at], whole[steps_at] = reference, steps
+        if call(address):
+            run.failed()
 
     return block
 
