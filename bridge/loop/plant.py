@@ -14,7 +14,7 @@ from bridge.loop.line_profiles import LineProfiles
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
-from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap
+from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap, silence
 from bridge.wire.status import PlantStatus, Reading
 from controller.grid import NS, last_due, next_sample
 from twin.circuit.block import block_of, compiled
@@ -107,7 +107,10 @@ class PlantSide:
         )
 
     def finish(self, text: str) -> list[Outgoing]:
-        """The last words."""
+        """The last words, and before them since when the controller was not heard any more."""
+        due = last_due(self.now, self.grid)
+        if due is not None and due > self.inlet.answered:
+            self.inlet.note(EventKind.MISSED, silence(self.inlet.answered + 1))
         self.inlet.note(EventKind.ENDED, text)
         return self._drain()
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
-from bridge.wire.messages import EventKind, missed_by
+from bridge.wire.messages import EventKind, missed_by, silent_since
 from controller.grid import Sampling, to_ns
 
 
@@ -51,11 +51,13 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
 def _unheard(events: list[Any], commands: list[Any]) -> set[tuple[int, int]]:
     """Source and sequence of the commands that the plant refused or that never came to it."""
     unheard = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED}
-    for event in (event for event in events if event.kind == EventKind.MISSED):
+    missed = [event for event in events if event.kind == EventKind.MISSED]
+    for event in (event for event in missed if event.source):
         sent = sorted(command.sequence for command in commands if command.source == event.source)
         gap = missed_by(event)
         unheard |= {(event.source, n) for n in sent[bisect_left(sent, gap.start) : bisect_left(sent, gap.stop)]}
-    return unheard
+    ends = [silent_since(event) for event in missed if not event.source]
+    return unheard | {(c.source, c.sequence) for c in commands if any(c.sample_stamp >= end for end in ends)}
 
 
 def _in_time(command: Any, latches: list[Latch], grid: Sampling) -> int:

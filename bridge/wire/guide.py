@@ -45,7 +45,8 @@ A controller of your own, in any language that has Zenoh:
     measurement's stamp: the run is then judged against that. Without it the run is judged against the scenario's own
     reference. You need not publish a status.
  8. Read <rig>/event. `refused` with your source says why a command was not taken: {REASONS}. The first hundred of a
-    kind are events; `missed` names further ones, and commands that never came. `second controller` means that the
+    kind are events; `missed` names further ones, and commands that never came or came after the end. `second
+    controller` means that the
     plant belongs to somebody else: leave. `safe`: the valve is centred, since no command came for
     scenario.loop.command_timeout; the first command of all ends that, and later ones too, unless
     scenario.loop.after_timeout is "latch": then every command is refused until somebody says reset, `hydrotwin reset`

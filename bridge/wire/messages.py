@@ -99,9 +99,19 @@ def absence(first: int, last: int) -> str:
 
 
 def missed_by(event: Any) -> range:
-    """The sequences in a `missed` event."""
+    """The sequences in a `missed` event of a source."""
     words = event.text.split()
     return range(int(words[1]), int(words[3]) + 1)
+
+
+def silence(since: int) -> str:
+    """The text of the `missed` event at the end of a run, which has no source, by an instant [ns]."""
+    return f"no command was taken for samples from {since} ns on"
+
+
+def silent_since(event: Any) -> int:
+    """The instant in a `missed` event without a source [ns]."""
+    return int(event.text.split()[-3])
 
 
 def last_words(ending: Ending, ticks: int, reason: str = "") -> str:

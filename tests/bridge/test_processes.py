@@ -43,7 +43,7 @@ def events(path: Path, kind: str) -> list:
 def test_a_stopped_controller_in_real_time_leads_to_the_safe_state(path):
     """Within the timeout and one tick of simulated time, said in the recording; the run ends and names the silent."""
     timeout = ("--set", "loop.command_timeout=0.2")
-    with started("run", "square", "--duration", "6", *timeout, *LOOSE, "--record", str(path)) as run:
+    with started("run", "square", "--duration", "3", *timeout, *LOOSE, "--record", str(path)) as run:
         controller = child(run.pid, "controller")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)
@@ -57,7 +57,7 @@ def test_a_stopped_controller_in_real_time_leads_to_the_safe_state(path):
     assert safe.applied_at - (last.apply_at + period + wait) in range(tick)
     state = read(path).columns("state")
     after = state["stamp"] > safe.applied_at
-    assert after.sum() > 1000
+    assert after.sum() > 500
     assert np.all(state["reference"][after] == 0.0)
 
 
@@ -126,7 +126,7 @@ def test_ctrl_c_at_any_time_leaves_no_process_and_a_readable_recording(path, mom
 @pytest.mark.timed
 def test_a_stalled_recorder_neither_holds_the_plant_nor_loses_a_message(path):
     """Stopped for two seconds: ticks go on, by far less late than that, and what was sent meanwhile still comes."""
-    with started("run", *UNDRAWN, "square", "--duration", "5", *COARSE, *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "square", "--duration", "4", *COARSE, *LOOSE, "--record", str(path)) as run:
         recorder = child(run.pid, "record")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(recorder, signal.SIGSTOP)
@@ -135,7 +135,7 @@ def test_a_stalled_recorder_neither_holds_the_plant_nor_loses_a_message(path):
         run.communicate(timeout=60)
     recording = read(path)
     assert recording.metadata["summary"]["timing"]["lateness"]["max"] < 1.0
-    assert len(recording.columns("measurement")["tick"]) == 501
+    assert len(recording.columns("measurement")["tick"]) == 401
     assert not recording.metadata["summary"]["lost"]
 
 

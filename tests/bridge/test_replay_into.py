@@ -3,6 +3,7 @@
 import json
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,14 @@ from typer.testing import CliRunner
 from bridge.cli.verbs import app
 from bridge.errors import UsageError
 from bridge.loop.exchange import sides
+from bridge.loop.plant import PlantSide
 from bridge.recording.reader import Entry, Recording, read, recording
 from bridge.replay.into_plant import through_plant
 from bridge.replay.through import Through, replay_through
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.wire.codec import encode
+from bridge.wire.messages import Outgoing, Reason
 from tests.bridge.test_golden import TOLERANCES
 from tests.support.command import hydrotwin_here
 from tests.support.processes import (
@@ -105,7 +108,7 @@ def test_a_latched_plant_and_its_reset_come_out_again(folder):
     """More refused commands than are told one by one; then somebody resets."""
     path = folder / "latched.mcap"
     options = ("--set", "loop.command_timeout=0.1", "--set", "loop.sample_period=0.005")
-    with started("run", *UNDRAWN, "square", "--duration", "6", *options, *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "square", "--duration", "4", *options, *LOOSE, "--record", str(path)) as run:
         controller, plant = child(run.pid, "controller"), child(run.pid, "plant")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)
@@ -123,28 +126,52 @@ def test_a_latched_plant_and_its_reset_come_out_again(folder):
 
 def test_a_command_on_its_way_at_the_reset_comes_out_again():
     """Computed while the plant was latched, heard just after the reset: the replay hands it in after the reset, too."""
-    latch = ("duration=1.2", "loop.command_timeout=0.1", "loop.sample_period=5 ms", "loop.delay=5 ms")
-    scenario = load("square", list(latch))
-    plant, controller = sides(scenario)
-    out, on_its_way = plant.start(), []
-    for tick in range(scenario.ticks):
-        spoken = [] if 100 <= tick < 300 else controller.answer(plant.measurement)
+    on_its_way: list[Outgoing] = []
+
+    def hear(plant: PlantSide, tick: int, spoken: list[Outgoing]) -> list[Outgoing]:
+        if 100 <= tick < 300:
+            return []
         if tick == RESET:
-            on_its_way, heard = spoken, []
-        elif tick == RESET + 3:
+            on_its_way.extend(spoken)
+            return []
+        if tick == RESET + 3:
             plant.reset()
-            heard = [*on_its_way, *spoken]
-        else:
-            heard = spoken
-        for message in heard:
+            return [*on_its_way, *spoken]
+        return spoken
+
+    latch = ("loop.command_timeout=0.1", "loop.sample_period=5 ms", "loop.delay=5 ms")
+    refused = by_hand(hear, "duration=1.2", *latch)
+    assert sum(refused.values()) > 100
+
+
+@pytest.mark.parametrize("lost", [range(100, 140), range(400, 1000)], ids=["on the way", "after the end"])
+def test_what_was_recorded_and_never_heard_is_left_out(lost: range):
+    """Lost on the way to the plant alone, or so late that the plant had ended."""
+    by_hand(lambda _, tick, spoken: [] if tick in lost else spoken, "duration=0.5", "loop.command_timeout=1")
+
+
+Hear = Callable[[PlantSide, int, list[Outgoing]], list[Outgoing]]
+
+
+def by_hand(hear: Hear, *changes: str) -> dict[Reason, int]:
+    """A loop whose plant hears what is left to it; the replay of all that was spoken has its states, to the bit.
+
+    The refusals of the plant.
+    """
+    scenario = load("square", list(changes))
+    plant, controller = sides(scenario)
+    out = plant.start()
+    for tick in range(scenario.ticks):
+        spoken = controller.answer(plant.measurement)
+        for message in hear(plant, tick, spoken):
             if message.topic == "command":
                 plant.take(message.message)
         out += [*spoken, *plant.tick()]
-    entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in out]
+    entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in [*out, *plant.finish("complete")]]
     recorded = recording(Path("none.mcap"), entries, {"run": {"run_id": str(plant.run_id)}})
-    assert sum(plant.inlet.refused.values()) > 100
     again = [encode(m.message) for tick in through_plant(recorded, scenario) for m in tick if m.topic == "state"]
     assert again == [entry.data for entry in entries if entry.topic == "state"]
+    return plant.inlet.refused
 
 
 def test_a_changed_gain_is_found_and_located(lockstep, folder):
