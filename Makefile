@@ -33,6 +33,7 @@ bench: $(READY)  ## speed, each figure beside what it is to be compared with
 
 endurance: $(READY)  ## the long trials
 	$(BIN)/python -m pytest -q -m endurance
+	$(BIN)/python -m pytest -q -m "hypothesis and not endurance" --hypothesis-profile=long
 
 recordings: $(READY)  ## renew the golden recordings; say in the change what moved and why
 	$(BIN)/python -m tests.tools.renew

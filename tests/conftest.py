@@ -16,8 +16,9 @@ from tests.support.watchdog import (  # noqa: F401  pytest finds these here
     pytest_unconfigure,
 )
 
-settings.register_profile("hydrotwin", deadline=None, derandomize=True, database=None, print_blob=True)
-settings.load_profile("hydrotwin")
+settings.register_profile("long", deadline=None, derandomize=True, database=None, print_blob=True)
+settings.register_profile("short", settings.get_profile("long"), max_examples=40)
+settings.load_profile("short")
 
 for _number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
     if signal.getsignal(_number) is signal.SIG_IGN:

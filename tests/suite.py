@@ -6,12 +6,14 @@ marked `timed`, because the clock judges them, follow one after another with the
 
 import subprocess
 import sys
+from pathlib import Path
 
 from tests.support.warm import PARTS
 
 WORKERS = 3  # on two processors: tests of real processes wait most of their time
 PYTEST = ("-m", "pytest", "-q", "--durations=15")
 MARKED = "timed and not endurance"
+TESTS = Path(__file__).parent
 NOTHING_CHOSEN = 5  # pytest's exit code
 OTHERS = "not timed and not endurance"
 
@@ -21,9 +23,14 @@ def main(options: list[str]) -> int:
     compile_once()
     codes = (
         run(*PYTEST, "-m", OTHERS, "-n", str(WORKERS), "--dist", "worksteal", *options),
-        run(*PYTEST, "-m", MARKED, "-n", "1", *options),
+        run(*PYTEST, "-m", MARKED, "-n", "1", *files_with("mark.timed"), *options),
     )
     return max(0 if code == NOTHING_CHOSEN and options else code for code in codes)
+
+
+def files_with(words: str) -> list[str]:
+    """The files of tests that hold some words: the others need not be imported."""
+    return [str(path) for path in sorted(TESTS.rglob("test_*.py")) if words in path.read_text()]
 
 
 def compile_once() -> None:

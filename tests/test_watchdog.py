@@ -19,9 +19,10 @@ def test_hang():
     library.pthread_mutex_lock(mutex)
     library.pthread_mutex_lock(mutex)
 """
+LOCK_HELD = "compiled, with the interpreter's lock"
 HANGS = {
     "in Python": "import time\n\ndef test_hang():\n    time.sleep(50)\n",
-    "compiled, with the interpreter's lock": LOCKED.format(library="PyDLL"),
+    LOCK_HELD: LOCKED.format(library="PyDLL"),
     "compiled, without the lock": LOCKED.format(library="CDLL"),
 }
 
@@ -44,7 +45,11 @@ def suite(folder: Path, hang: str, *options: str) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("hang", HANGS)
+OTHERS = pytest.mark.endurance  # the hardest of the three is enough with workers
+UNDER_XDIST = [name if name == LOCK_HELD else pytest.param(name, marks=OTHERS) for name in HANGS]
+
+
+@pytest.mark.parametrize("hang", UNDER_XDIST)
 def test_under_xdist_a_hang_is_a_failure_of_that_name_with_its_line_and_the_others_run(hang, tmp_path):
     text = suite(tmp_path, hang, "-n", "1")
     assert "1 failed, 1 passed" in text

@@ -79,7 +79,15 @@ def module(name: str) -> str:
     return FIGURES[name].source.rpartition(".")[0]
 
 
-ELSEWHERE = ("rig-friction", "coupled-line", "5.7")  # which take long; tests of their numbers compute them anyway
+ELSEWHERE = (
+    "rig-friction",
+    "coupled-line",
+    "chatter-spectrum",
+    "2.25",
+    "2.26",
+    "5.4",
+    "5.7",
+)  # which take long; tests of their numbers compute them anyway
 FIRST = {module(name): name for name in reversed(FIGURES) if name not in (*LONG, *ELSEWHERE)}
 
 

@@ -116,7 +116,7 @@ def test_a_ring_without_an_event_writes_no_file_and_one_by_query_does(tmp_path):
     with recorded(path, "--ring", "1 s", "--triggers", "late"):
         pass
     assert not path.exists()
-    run = ("step", "--duration", "20")
+    run = ("step", "--duration", "8")
     with (
         recorded(asked, "--ring", "0.2 s", "--after", "0.1 s", "--triggers", "none", run=run) as endpoint,
         Bus(Link(None, endpoint, None, 20.0), "rig", "operator", blocking=True) as bus,
@@ -173,7 +173,7 @@ def small_disk(tmp_path) -> Iterator[tuple[Path, int | None]]:
 def test_a_full_disk_is_told_what_was_written_stays_and_the_loop_goes_on(small_disk):
     folder, limit = small_disk
     path = folder / "a.mcap"
-    with started("run", *UNDRAWN, "square", "--duration", "6", *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "square", "--duration", "4", *LOOSE, "--record", str(path)) as run:
         recorder = child(run.pid, "record")
         if limit is not None:
             wait_for(lambda: grown(path, RUNNING), 30)

@@ -22,22 +22,17 @@ def plant() -> None:
 
 
 def theory() -> None:
-    """Orbits, sampled loops and their linear theory, the relief valve's chatter, rigs whose pilots can chatter."""
-    from bridge.figures.valve.spectrum import pushed, rig_of
+    """Orbits, sampled loops and their linear theory, the relief valve's chatter."""
     from controller.stability.actuator.model import Actuator
     from controller.stability.actuator.oscillation import PLAIN, oscillations
     from controller.stability.orbits.birth import relay_birth
     from twin.chatter.basin import basin
     from twin.chatter.system import CHAMFERED, CONICAL, System
-    from twin.circuit.housing import shake
 
     oscillations(PLAIN._replace(s=0.1, tau=1.0))
     relay_birth(Actuator(0.01, 0.5, 0.5), 10.0, 0.005)
     for law in (CHAMFERED, CONICAL):
         basin(System(law, 1.0, 1.0, 1.0, 0.2, 0.8), np.array([1.1]), np.zeros(1), 32)
-    for pilot in ("chamfered pilot", "conical pilot"):
-        circuit = rig_of(pilot, ripple=False)
-        shake(pushed(circuit), circuit, 1e-3)
 
 
 def amplitude() -> None:

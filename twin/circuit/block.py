@@ -5,6 +5,7 @@ numba checks an argument of a hundred floats for microseconds on every call; an 
 
 from collections.abc import Callable
 from functools import cache, partial
+from threading import local
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -192,12 +193,22 @@ def observe(state, s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> N
 def advance(state: State, reference: float, circuit: Circuit, steps: int) -> State:
     """The state `steps` steps later under a constant spool reference (-1..1)."""
     flat = flatten(state)
-    block_of(compiled(circuit))(flat, reference, steps, *buffers())
+    _block(circuit)(flat, reference, steps, *buffers())
     return unflatten(flat)
 
 
 def observed(state: State, circuit: Circuit) -> dict[str, float]:
     """The OBSERVED quantities of a state, by name."""
     taps, seen = buffers()
-    block_of(compiled(circuit))(flatten(state), 0.0, 0, taps, seen)
+    _block(circuit)(flatten(state), 0.0, 0, taps, seen)
     return dict(zip(OBSERVED, seen.tolist(), strict=True))
+
+
+_latest = local()  # of each thread: the circuit that was advanced last, and its block
+
+
+def _block(circuit: Circuit) -> Block:
+    """Made once for a circuit that is advanced again and again."""
+    if getattr(_latest, "circuit", None) is not circuit:
+        _latest.circuit, _latest.block = circuit, block_of(compiled(circuit))
+    return _latest.block
