@@ -45,7 +45,7 @@ def suite(folder: Path, hang: str, *options: str) -> str:
     return done.stdout
 
 
-OTHERS = pytest.mark.endurance  # the hardest of the three is enough with workers
+OTHERS = (pytest.mark.endurance, pytest.mark.timeout(120))  # the hardest of the three is enough with workers
 UNDER_XDIST = [name if name == LOCK_HELD else pytest.param(name, marks=OTHERS) for name in HANGS]
 
 

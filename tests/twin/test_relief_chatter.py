@@ -201,6 +201,7 @@ def test_theory_refuses_what_it_has_not():
 
 
 @pytest.mark.endurance
+@pytest.mark.timeout(300)
 def test_in_the_rig_the_housing_hears_the_chattering_pilot_alone():
     """Without ripple, 67 bar, 20 cm^3: on its seat a little above the frequency of theory. The conical
     pilot is 1000 times as quiet; with the valve shut nothing moves."""

@@ -4,8 +4,8 @@ numba checks an argument of a hundred floats for microseconds on every call; an 
 """
 
 from collections.abc import Callable
+from contextvars import ContextVar
 from functools import cache, partial
-from threading import local
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -204,11 +204,12 @@ def observed(state: State, circuit: Circuit) -> dict[str, float]:
     return dict(zip(OBSERVED, seen.tolist(), strict=True))
 
 
-_latest = local()  # of each thread: the circuit that was advanced last, and its block
+_latest: ContextVar[tuple[Circuit, Block] | None] = ContextVar("latest", default=None)  # of each thread
 
 
 def _block(circuit: Circuit) -> Block:
     """Made once for a circuit that is advanced again and again."""
-    if getattr(_latest, "circuit", None) is not circuit:
-        _latest.circuit, _latest.block = circuit, block_of(compiled(circuit))
-    return _latest.block
+    latest = _latest.get()
+    if latest is None or latest[0] is not circuit:
+        _latest.set(latest := (circuit, block_of(compiled(circuit))))
+    return latest[1]
