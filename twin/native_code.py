@@ -102,8 +102,8 @@ class Entry:
         sizes = [len([*_numbers(example)]) for example in examples]
         self.begins = [FIRST + sum(sizes[:place]) for place in range(len(sizes))]
         slots = (ctypes.c_int64 * (FIRST + sum(sizes)))()
-        self.whole = memoryview(slots).cast("B").cast("q")
-        self.floats = memoryview(slots).cast("B").cast("d")
+        self.whole: Any = memoryview(slots).cast("B").cast("q")
+        self.floats: Any = memoryview(slots).cast("B").cast("d")
         self.address = ctypes.c_void_p(ctypes.addressof(slots))  # a whole number would be made into one at every call
         for place, example in enumerate(examples):
             self.put(place, example)

@@ -5,6 +5,7 @@ import queue
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from bridge.errors import UsageError, nearest
@@ -34,7 +35,7 @@ class Player:
         self._send = send
         self._now = now
         self._orders: queue.SimpleQueue[Order] = queue.SimpleQueue()
-        self._over = False
+        self._over = self._closed = False
         self._verbs: dict[str, Callable[[str, int], None]] = {
             "pause": lambda _, now: self.timeline.pause(now),
             "resume": lambda _, now: self.timeline.resume(now),
@@ -52,11 +53,18 @@ class Player:
         """Ask for something, from any thread; the answer is the status after it, or has an "error"."""
         order = Order(verb, value, Future())
         self._orders.put(order)
+        if self._closed:
+            self._refuse_orders()
         return order.answer
 
     def stop(self) -> None:
         """End the replay."""
         self._over = True
+
+    def close(self) -> None:
+        """Refuse what nobody will heed any more."""
+        self._closed = True
+        self._refuse_orders()
 
     def run(self, stopped: Callable[[], bool] = lambda: False) -> None:
         """Play to the end, for ever in a loop, or until stopped."""
@@ -95,6 +103,11 @@ class Player:
     def _emit(self, indices: range) -> None:
         self._send(indices)
         self.sent += len(indices)
+
+    def _refuse_orders(self) -> None:
+        with suppress(queue.Empty):
+            while True:
+                self._orders.get_nowait().answer.set_result({"error": "the replay has ended"})
 
     def _heed(self, order: Order) -> None:
         try:

@@ -1,7 +1,10 @@
 """Remote control of a replay by queries to RIG/replay/VERB; the value, if there is one, is the query's payload."""
 
 import json
+import threading
+from collections.abc import Iterator
 from concurrent.futures import TimeoutError
+from contextlib import contextmanager
 from typing import Any
 
 import zenoh
@@ -13,10 +16,16 @@ from bridge.wire.bus import Bus
 PATIENCE = 5.0  # seconds
 
 
-def answer_queries(bus: Bus, rig_name: str, player: Player) -> Any:
-    """Heed queries for as long as what this returns is kept."""
+@contextmanager
+def heeding(bus: Bus, rig_name: str, player: Player) -> Iterator[None]:
+    """Heed queries; whoever has asked has an answer when this ends, also where what was asked for ended the replay."""
+    answering = threading.Lock()
 
     def on_query(query: Any) -> None:
+        with answering:
+            answer(query)
+
+    def answer(query: Any) -> None:
         verb = str(query.key_expr).rpartition("/")[2]
         value = query.payload.to_string() if query.payload is not None else str(query.parameters)
         try:
@@ -26,7 +35,14 @@ def answer_queries(bus: Bus, rig_name: str, player: Player) -> Any:
         query.reply(f"{rig_name}/replay/{verb}", json.dumps(found).encode())
 
     handler = zenoh.handlers.Callback(on_query, indirect=True)
-    return bus.session.declare_queryable(f"{rig_name}/replay/*", handler)
+    queryable = bus.session.declare_queryable(f"{rig_name}/replay/*", handler)
+    try:
+        yield
+    finally:
+        player.close()
+        if answering.acquire(timeout=PATIENCE):
+            answering.release()
+        queryable.undeclare()
 
 
 def ask(bus: Bus, verb: str, value: str = "") -> dict[str, Any]:

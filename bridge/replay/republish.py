@@ -16,7 +16,7 @@ from bridge.recording.reader import Entry, Recording, read
 from bridge.replay.keyboard import keyboard
 from bridge.replay.keys import live_publishers, remapped
 from bridge.replay.player import Player
-from bridge.replay.remote import answer_queries
+from bridge.replay.remote import heeding
 from bridge.replay.timeline import Timeline
 from bridge.wire.bus import STAMP, Bus
 from bridge.wire.link import Link
@@ -55,12 +55,13 @@ def replay(path: Path, link: Link, playing: Playing) -> dict[str, Any]:
         sender = Sender(bus.session, recording, entries, keys)
         timeline = Timeline([entry.log_time for entry in entries], 0, playing.speed, playing.loop)
         player = Player(timeline, sender.send)
-        held = [answer_queries(bus, rig, player), *_stand_in(bus, recording, keys)]
-        sender.await_listeners(playing.wait, stop)
-        timeline.paused = playing.paused
-        timeline.seek(timeline.times[0], time.monotonic_ns())
-        with keyboard(player):
-            player.run(stop)
+        held = _stand_in(bus, recording, keys)
+        with heeding(bus, rig, player):
+            sender.await_listeners(playing.wait, stop)
+            timeline.paused = playing.paused
+            timeline.seek(timeline.times[0], time.monotonic_ns())
+            with keyboard(player):
+                player.run(stop)
         del held
         return player.status()
 

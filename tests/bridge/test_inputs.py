@@ -121,6 +121,15 @@ def test_a_replay_skips_back_and_stays_where_it_is_for_times_that_are_none():
     assert ["error" in answers[key] for key in answers] == [False, True, True, False, True]
 
 
+def test_a_replay_that_has_ended_answers_all_the_same():
+    """Whether it was asked before its end and not heeded any more, or after it."""
+    player = Player(Timeline([0], 0), lambda _: None, now=lambda: 0)
+    before = player.ask("status")
+    player.close()
+    after = player.ask("status")
+    assert before.result(0) == after.result(0) == {"error": "the replay has ended"}
+
+
 def test_a_negative_number_is_an_argument_of_remote(monkeypatch: pytest.MonkeyPatch):
     asked = []
     monkeypatch.setattr("bridge.replay.remote.ask", lambda _, verb, value: asked.append((verb, value)) or {})
