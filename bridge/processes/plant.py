@@ -1,6 +1,7 @@
 """The plant as a process: connect, pace, and let the plant side do the rest."""
 
 import json
+import os
 import queue
 import time
 from collections.abc import Iterator
@@ -24,6 +25,7 @@ from bridge.wire.status import Pace, PlantReport, PlantStatus, numbers_of
 from controller.grid import NS, is_sample
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
+SETTLING = 2.0  # seconds in which a plant that started at the same instant may still be found
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
 LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
 LINGER = 5.0  # seconds that partners get to finish
@@ -73,6 +75,7 @@ class PlantProcess:
         self._narrator = Narrator(options.quiet)
         self._told: set[str] = set()  # reasons of refusals that were said on the terminal
         self._digest = digest_of(scenario)
+        self._settled = 0.0
         self._strangers: queue.SimpleQueue[str] = queue.SimpleQueue()  # controllers of other scenarios, in words
         ready("status")
         bus.subscribe("status", self._on_status)
@@ -89,6 +92,8 @@ class PlantProcess:
         missing = self.bus.await_roles(self.options.partners, self.options.patience, self.stop)
         if missing and not self.stop():
             raise RunError(f"no {' and no '.join(missing)} within {self.options.patience:g} s of the start")
+        self._settled = time.monotonic() + SETTLING
+        self._leave_to_another()
         if self.options.mode == Mode.LOCKSTEP:
             self._lockstep()
         else:
@@ -198,6 +203,14 @@ class PlantProcess:
             if digest is not None and round(digest) != self._digest:
                 self._strangers.put(f"controller {status.pid} runs {status.text or 'another scenario'}")
 
+    def _leave_to_another(self) -> None:
+        """Of plants that started at the same instant, and did not see each other, only that of the lowest id stays."""
+        if time.monotonic() > self._settled:
+            return
+        lower = [pid for pid in self.bus.present.get("plant", ()) if pid.isdigit() and int(pid) < os.getpid()]
+        if lower:
+            raise _second(self.scenario.rig_name, lower)
+
     def _note_strangers(self) -> None:
         while not self._strangers.empty():
             self.side.inlet.note(EventKind.DIFFERS, self._strangers.get())
@@ -246,6 +259,7 @@ class PlantProcess:
         if now < self._status_due:
             return False
         self._status_due = now + STATUS_PERIOD
+        self._leave_to_another()
         self._note_strangers()
         self._narrator.note_present(self.bus.present, "plant")
         self._report(Phase.SAFE if self.side.inlet.safe else Phase.RUNNING, "")
@@ -274,16 +288,21 @@ class PlantProcess:
         return json.dumps(facts).encode()
 
 
+def _second(rig_name: str, others: list[str]) -> RunError:
+    """For a plant of a rig that has one."""
+    return RunError(
+        f"rig {rig_name!r} has a plant already (process {', '.join(others)}): stop it, or give this "
+        "one a name of its own with --set rig_name=NAME"
+    )
+
+
 def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantReport:
     """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
     circuit_of(scenario)  # refused before anybody is told of it
     prepare(options.fifo)
     with Bus(link, scenario.rig_name, "plant", blocking=options.mode == Mode.LOCKSTEP) as bus:
         if others := bus.others("plant"):
-            raise RunError(
-                f"rig {scenario.rig_name!r} has a plant already (process {', '.join(others)}): stop it, or give this "
-                "one a name of its own with --set rig_name=NAME"
-            )
+            raise _second(scenario.rig_name, others)
         process = PlantProcess(bus, scenario, options)
         try:
             process.stop.listen()

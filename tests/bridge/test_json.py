@@ -34,7 +34,7 @@ ALONE = {  # what each verb is called with; FILE is a recording
     "digest": ("FILE", "FILE", "--json"),
     "messages": ("--json",),
     "figures": ("--json",),
-    "figure": ("2.4", "--json"),
+    "figure": ("2.14", "--json"),
     "line": ("--json",),
     "doctor": ("--json",),
     "valve static": ("--json",),
@@ -56,7 +56,7 @@ def verbs(command: object, name: str = "") -> Iterator[str]:
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("json") / "run.mcap"
-    return record_in_process(load("step", ["duration=0.2"]), path).path
+    return record_in_process(load("step", ["duration=0.2", "controller.kind=open-loop"]), path).path
 
 
 def test_no_verb_is_forgotten():

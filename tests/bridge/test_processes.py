@@ -10,6 +10,8 @@ import pytest
 import zenoh
 
 from bridge.recording.reader import read
+from bridge.runs.in_process import record_in_process
+from bridge.scenario import load
 from bridge.wire.bus import Bus
 from bridge.wire.codec import ValveCommand, decode, encode
 from bridge.wire.link import Link, free_endpoint
@@ -152,7 +154,7 @@ def test_intruders_are_refused_told_and_change_nothing(tmp_path):
     """In lockstep, over the wire: the same true states, bit for bit, with and without them."""
     quiet, disturbed = tmp_path / "quiet.mcap", tmp_path / "disturbed.mcap"
     run = ("run", *UNDRAWN, "step", "--duration", "1.5", "--mode", "lockstep", "--set", "allowed.refused=100000")
-    assert hydrotwin(*run, "--record", str(quiet)).returncode == 0
+    record_in_process(load("step", ["duration=1.5"]), quiet)
     endpoint = free_endpoint()
     with started(*run, "--listen", endpoint, "--record", str(disturbed)) as process:
         noise(endpoint, int(read(quiet).metadata["run"]["run_id"]))
