@@ -38,7 +38,7 @@ SQRT2 = math.sqrt(2.0)
 LONG = (pytest.mark.endurance, pytest.mark.timeout(300))
 
 
-@pytest.mark.parametrize("name", [pytest.param("delay", marks=LONG), "slow-sampling", "step"])
+@pytest.mark.parametrize("name", [*(pytest.param(name, marks=LONG) for name in ("delay", "slow-sampling")), "step"])
 def test_advice_agrees_with_what_check_finds(name, tmp_path):
     scenario = load(name, ["duration=6"])
     advice, outcome = advise(scenario, (60e-3,)), check_scenario(scenario, Mode.INPROCESS, tmp_path)

@@ -123,7 +123,10 @@ def test_a_running_plant_is_drawn_to_its_end(tmp_path: Path):
 
 
 @pytest.mark.timed
-@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
+@pytest.mark.parametrize(
+    "number",
+    [signal.SIGSTOP, pytest.param(signal.SIGKILL, marks=(pytest.mark.endurance, pytest.mark.timeout(120)))],
+)
 def test_a_stalled_or_killed_viewer_holds_nobody(tmp_path: Path, number: signal.Signals):
     """The run is as long as without it and loses nothing."""
     view = tmp_path / "a.rrd"

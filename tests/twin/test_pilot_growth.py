@@ -60,6 +60,8 @@ def test_with_a_pump_line_of_1_5_m_it_sings_at_every_flow(step: float, within: f
     assert error(8.0, step, LONGER, seconds=0.05) == pytest.approx(0.0, abs=within)
 
 
+@pytest.mark.endurance  # a variant of the step of its own; of the valve alone: test_relief_chatter.py
+@pytest.mark.timeout(300)
 @pytest.mark.parametrize(("volume", "speed", "sign"), [(0.75e-6, CALM, -1.0), (10e-6, 15.0, 1.0)])
 def test_oil_before_the_pilot_makes_it_sing_as_theory_says(volume: float, speed: float, sign: float):
     """0.75 cm^3 is the channel of the thesis; with 10 cm^3 it sings at every flow."""
@@ -67,6 +69,8 @@ def test_oil_before_the_pilot_makes_it_sing_as_theory_says(volume: float, speed:
     assert error(speed, 50e-6, with_oil(volume)) == pytest.approx(0.0, abs=1.0)
 
 
+@pytest.mark.endurance
+@pytest.mark.timeout(300)
 def test_the_film_of_the_long_seat_lets_no_swing_live():
     """-4e3 1/s by theory, so nothing is left in the twin after 10 ms: what remains is at rest to 1e-9 of the lift."""
     film: Changes = {"relief": {"pilot_seat": "conical", "channel_volume": 0.75e-6}}
