@@ -41,6 +41,12 @@ VERBS = {
         "stability:map_stability",
         "Draw a chart of stability over two numbers of the loop: OUTPUT.png, .csv, .html, and the runs' own .csv.",
     ),
+    "linearise": Verb(
+        LOOK,
+        "linear:linearise",
+        "Write the linear model of a scenario's rig: A, B, C, D, names and units, continuous and as its loop samples "
+        "it.",
+    ),
     "dimensionless": Verb(
         LOOK,
         "dimensionless:dimensionless",

@@ -16,7 +16,7 @@ from bridge.runs.run import Outcome, run_scenario
 from bridge.scenario import Scenario
 from bridge.scenario.bands import UNDEFINED, cycle_words, outside, parse_band, signal_with_unit, value_with_unit
 from bridge.scenario.circuit import circuit_of
-from bridge.wire.messages import Mode
+from bridge.wire.messages import Ending, Mode, ending_of
 from controller.bands import END, START, WHOLE, Band, Metrics, WindowBand, judge
 from controller.grid import NS
 from controller.metrics import Signals, measure
@@ -118,11 +118,14 @@ def _text(suites: ET.Element) -> str:
 
 
 def judge_run(scenario: Scenario, summary: Summary | None, recording: Path | None) -> list[Judgement]:
-    """A verdict on each band of a scenario; one on a run that left nothing behind fails."""
+    """A verdict on each band of a scenario. A run that left nothing behind fails; one that ended early passes none."""
     metrics = (summary and summary.metrics) or UNKNOWN
     bands = [(text, parse_band(text)) for text in scenario.expect]
     look = Look(recording, scenario) if recording and any(not _of_run(band) for _, band in bands) else None
-    return [_judge(text, band, metrics) if _of_run(band) else look_up(text, band, look) for text, band in bands]
+    found = [_judge(text, band, metrics) if _of_run(band) else look_up(text, band, look) for text, band in bands]
+    if summary is None or ending_of(summary.ending) == Ending.COMPLETE:
+        return found
+    return [verdict._replace(passed=False, found=f"{verdict.found}, until it ended early") for verdict in found]
 
 
 def _of_run(band: Band | WindowBand) -> TypeGuard[Band]:

@@ -30,6 +30,7 @@ UNITS: dict[str, dict[str, Unit]] = {
     "m/s^2": {"m/s^2": Unit(1.0)},
     "N": {"N": Unit(1.0), "kN": Unit(1e3)},
     "N/m": {"N/m": Unit(1.0), "kN/m": Unit(1e3), "N/mm": Unit(1e3)},
+    "N s/m": {"N s/m": Unit(1.0), "kN s/m": Unit(1e3), "N s/mm": Unit(1e3)},
     "V": {"V": Unit(1.0), "mV": Unit(1e-3)},
     "Hz": {"Hz": Unit(1.0), "kHz": Unit(1e3), "1/s": Unit(1.0), "rpm": Unit(1.0 / MINUTE), "1/min": Unit(1.0 / MINUTE)},
     "rad": {"rad": Unit(1.0), "deg": Unit(math.pi / 180.0)},

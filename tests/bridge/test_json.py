@@ -23,6 +23,7 @@ ALONE = {  # what each verb is called with; FILE is a recording
     "scenarios": ("--json",),
     "describe": ("step", "--json"),
     "convergence": ("step", *SHORT, "--json"),
+    "linearise": ("step", "--json"),
     "advise": ("relay", "--step", "20mm", "--json"),
     "dimensionless": ("slow-sampling", "--at", "gamma=0.23", "--json"),
     "map": ("--cells", "4", "-o", "map", "--json"),

@@ -12,6 +12,8 @@ from bridge.recording.info import problems
 from bridge.recording.reader import read
 from bridge.recording.summary import CommandSummary, OverrunTotals, Spread, Summary, TimingSummary
 from bridge.recording.verdict import verdict
+from bridge.report.subject import load_run
+from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.wire.messages import Outgoing
 from tests.support.command import hydrotwin_here
@@ -205,3 +207,15 @@ def test_a_law_that_fails_fails_its_check_alone(tmp_path: Path):
     suites = {suite.attrib["name"]: suite for suite in ET.parse(tmp_path / "j.xml").iter("testsuite")}
     assert [suites[name].attrib["failures"] for name in ("own", "good")] == ["2", "0"]
     assert any("mine.py, line 2: ZeroDivisionError" in f.attrib["message"] for f in suites["own"].iter("failure"))
+
+
+def test_a_run_that_ended_early_passes_no_band(tmp_path: Path):
+    """Each would pass: 0.3 s of standing still say nothing about the rest."""
+    words = ["expect=['max error <= 61 mm', 'peak p_lower <= 80 bar', 'mean velocity from 0.1 s to 0.2 s <= 1 m/s']"]
+    scenario, ticks = load("step", [*words, "duration=2"]), iter(range(10_000))
+    recorded = record_in_process(scenario, tmp_path / "a.mcap", stopped=lambda: next(ticks) >= 300)
+    early = load_run(recorded.path)
+    assert [verdict.passed for verdict in early.verdicts] == [False] * 3
+    assert all(verdict.found.endswith(", until it ended early") for verdict in early.verdicts)
+    whole = load_run(record_in_process(load("step", [*words, "duration=0.3"]), tmp_path / "b.mcap").path)
+    assert [verdict.passed for verdict in whole.verdicts] == [True] * 3
