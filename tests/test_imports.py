@@ -49,8 +49,13 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
         ("cli",),
         ("__main__",),
     ),
+    "hydrotwin": (
+        ("signal",),
+        ("runs",),
+        ("pytest_plugin",),
+    ),
 }
-ORDER = ("twin", "controller", "bridge")  # of the packages: each may use those before it
+ORDER = ("twin", "controller", "bridge", "hydrotwin")  # of the packages: each may use those before it
 SHARED = {COMPONENTS, LEVELS["controller"][0]}  # levels whose rooms may know one another
 MOST_FILES = 4  # at the top of `bridge`
 LAWS = LEVELS["controller"][0]

@@ -57,6 +57,14 @@ def find_law(name: str) -> ControlLaw:
     return ControlLaw(_checked(law, name, place), **hooks)
 
 
+def law_object(law: Any) -> ControlLaw:
+    """A law that is a function in memory, and no file names. Raises ScenarioError for what is not a function."""
+    if not callable(law):
+        raise ScenarioError(f"{law!r:.80} is not a law: give a function (sample, target, memory, gains)")
+    name, code = getattr(law, "__qualname__", type(law).__qualname__), getattr(law, "__code__", None)
+    return ControlLaw(_checked(law, name, Path(code.co_filename if code else name)))
+
+
 def explained(error: BaseException, file: Path | None) -> str:
     """What went wrong in a user's code, in one line with its place there."""
     words = " ".join(str(error).split())

@@ -15,7 +15,7 @@ from mcap.records import Metadata
 from mcap.writer import CompressionType, Writer
 
 from bridge.errors import UsageError, reason
-from bridge.recording.reader import Entry
+from bridge.recording.reader import Entry, Recording
 from bridge.recording.sink import Sink
 from bridge.wire.codec import encode, type_hash
 from bridge.wire.messages import TOPICS, Outgoing, definition
@@ -42,6 +42,27 @@ def new_recording(path: Path, rig_name: str) -> "RecordingWriter":
         return RecordingWriter(path, rig_name)
     except OSError as error:
         raise UsageError(reason(error)) from None
+
+
+def entries_of(messages: Iterable[Outgoing]) -> list[Entry]:
+    """What belongs to one instant, in the order of a lockstep recording."""
+    ordered = sorted(messages, key=lambda m: (m.log_time, m.topic, m.sequence))
+    return [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in ordered]
+
+
+def save(recording: Recording, path: Path, rig_name: str) -> Path:
+    """Write a recording that is in memory. Raises UsageError where that cannot be."""
+    writer = new_recording(path, rig_name)
+    try:
+        for name, values in recording.metadata.items():
+            writer.metadata(name, values)
+        for entry in recording.entries:
+            writer.write(*entry)
+            writer.flush_by(entry.log_time)
+        writer.close()
+    except OSError as error:
+        raise UsageError(reason(error)) from None
+    return path
 
 
 class RecordingWriter:
@@ -75,8 +96,7 @@ class RecordingWriter:
 
     def instant(self, messages: Iterable[Outgoing]) -> list[Entry]:
         """Append what belongs to one instant, in the order of a lockstep recording."""
-        ordered = sorted(messages, key=lambda m: (m.log_time, m.topic, m.sequence))
-        entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in ordered]
+        entries = entries_of(messages)
         for entry in entries:
             self.write(*entry)
         if entries:

@@ -10,7 +10,7 @@ from bridge.errors import ScenarioError, visible
 from bridge.processes.options import RunOptions
 from bridge.recording.columns import signals, sine_of
 from bridge.recording.names import own_name
-from bridge.recording.reader import read
+from bridge.recording.reader import Recording, read
 from bridge.recording.summary import Summary
 from bridge.runs.run import Outcome, run_scenario
 from bridge.scenario import Scenario
@@ -117,7 +117,7 @@ def _text(suites: ET.Element) -> str:
     return ET.tostring(suites, encoding="utf-8", xml_declaration=True).decode()
 
 
-def judge_run(scenario: Scenario, summary: Summary | None, recording: Path | None) -> list[Judgement]:
+def judge_run(scenario: Scenario, summary: Summary | None, recording: Recording | Path | None) -> list[Judgement]:
     """A verdict on each band of a scenario. A run that left nothing behind fails; one that ended early passes none."""
     metrics = (summary and summary.metrics) or UNKNOWN
     bands = [(text, parse_band(text)) for text in scenario.expect]
@@ -135,8 +135,8 @@ def _of_run(band: Band | WindowBand) -> TypeGuard[Band]:
 class Look:
     """The true signals of a recorded run, its balances and its moments."""
 
-    def __init__(self, recording: Path, scenario: Scenario) -> None:
-        circuit, found = circuit_of(scenario), read(recording)
+    def __init__(self, recording: Recording | Path, scenario: Scenario) -> None:
+        circuit, found = circuit_of(scenario), read(recording) if isinstance(recording, Path) else recording
         columns = found.columns("state")
         self.run = signals(found, scenario)
         self.frequency = sine_of(scenario)

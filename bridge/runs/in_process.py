@@ -10,10 +10,13 @@ from bridge.loop.plant import PlantSide
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.summarise import summarise
-from bridge.recording.writer import RecordingWriter
+from bridge.recording.writer import RecordingWriter, entries_of
 from bridge.scenario import Scenario
 from bridge.wire.messages import Ending, Outgoing, last_words
 from controller.grid import NS
+from controller.laws import ControlLaw
+
+MEMORY = Path("a run in memory")  # in place of a file's name
 
 
 class RecordingError(RunError):
@@ -48,6 +51,17 @@ def record_in_process(
     if failure is not None:
         raise failure
     return recording(path, entries, {"run": head, "summary": summary})
+
+
+def run_in_memory(scenario: Scenario, law: ControlLaw | None = None) -> Recording:
+    """Run a scenario without a file, with a law in place of its own if there is one. Raises RunError."""
+    plant, controller = sides(scenario)
+    if law is not None:
+        controller.law = law
+    head = manifest(scenario, plant.run_id)
+    entries = [e for messages in exchange(plant, controller, scenario.ticks) for e in entries_of(messages)]
+    summary = summarise(recording(MEMORY, entries, {}), scenario, {}, plant.status()).plain()
+    return recording(MEMORY, entries, {"run": head, "summary": summary})
 
 
 def _failed(plant: PlantSide, reason: str) -> list[Outgoing]:

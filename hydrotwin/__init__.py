@@ -1,0 +1,30 @@
+"""Run scenarios, laws of your own among them, from Python: docs/python.md.
+
+What is imported from here stays as it is from one minor version to the next; `bridge`, `twin` and `controller` may
+move.
+"""
+
+from bridge.errors import RunError, UsageError
+from bridge.scenario import Scenario, ScenarioError
+from controller.bands import Metrics
+from controller.law import Sample, compensate, saturate
+from controller.reference import Target
+from hydrotwin.runs import Run, load, read, run
+from hydrotwin.signal import Signal
+
+__all__ = [
+    "Metrics",
+    "Run",
+    "RunError",
+    "Sample",
+    "Scenario",
+    "ScenarioError",
+    "Signal",
+    "Target",
+    "UsageError",
+    "compensate",
+    "load",
+    "read",
+    "run",
+    "saturate",
+]
