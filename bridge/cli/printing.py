@@ -85,7 +85,7 @@ def print_checks(results: "list[CheckResult]") -> None:
         rows += [(result.scenario.name, fault, "", Text("FAILED", "red")) for fault in result.faults]
         for verdict in result.verdicts:
             mark = Text("passed", "green") if verdict.passed else Text("FAILED", "red")
-            rows.append((result.scenario.name, verdict.text, verdict.found, mark))
+            rows.append((result.scenario.name, verdict.words, verdict.found, mark))
         rows += [(result.scenario.name, note, "", Text("note", "yellow")) for note in result.notes]
     print_table(("scenario", "expected", "found", ""), rows)
 

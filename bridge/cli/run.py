@@ -4,7 +4,7 @@ import json
 import time
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,6 +18,9 @@ from bridge.cli.options import (
 )
 from bridge.cli.outputs import print_json, write_text
 from bridge.errors import UsageError
+
+if TYPE_CHECKING:
+    from bridge.scenario import Scenario
 
 RECORD = Annotated[
     Path | None,
@@ -93,11 +96,17 @@ def check(
     changes: CHANGES = None,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here.")] = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the recordings.")] = Path("runs"),
+    covered: Annotated[
+        bool, typer.Option("--coverage", help="Run nothing: list the requirements, and the bands that belong to each.")
+    ] = False,
     as_json: AS_JSON = False,
 ) -> None:
     """Run scenarios headless and judge the bands they state; for CI."""
     from bridge.scenario import load
 
+    if covered:
+        _print_coverage([load(name, changes) for name in scenarios], as_json)
+        return
     try:
         loaded = [load(name, changes) for name in scenarios]
         from bridge.runs.check import refuse_windows
@@ -123,6 +132,17 @@ def check(
     else:
         print_checks(results)
     raise typer.Exit(0 if written and all(result.passed for result in results) else 1)
+
+
+def _print_coverage(scenarios: "list[Scenario]", as_json: bool) -> None:
+    from bridge.cli.tables import print_table
+    from bridge.runs.check import coverage
+
+    heads, rows = ("requirement", "text", "scenario", "band"), coverage(scenarios)
+    if as_json:
+        print_json([dict(zip(heads, row, strict=True)) for row in rows])
+    else:
+        print_table(heads, [(row[0] or "-", *row[1:]) for row in rows])
 
 
 def _write_refusal(junit: Path | None, scenarios: list[str], reason: str) -> None:

@@ -59,7 +59,7 @@ def scenarios(as_json: AS_JSON = False) -> None:
     from bridge.cli.tables import print_table
     from bridge.scenario.files import listed, names
 
-    rows = [(s.name, s.title, f"{s.duration:g} s", "; ".join(s.expect)) for s in map(listed, names())]
+    rows = [(s.name, s.title, f"{s.duration:g} s", "; ".join(s.bands)) for s in map(listed, names())]
     keys = ("name", "title", "duration", "expects")
     if as_json:
         print_json([dict(zip(keys, row, strict=True)) for row in rows])

@@ -41,7 +41,7 @@ def metrics(runs: list[Run], names: list[str]) -> str:
     for run, name in zip(runs, names, strict=True):
         if run.verdicts:
             title = "expected" + (f" of {text(name)}" if len(runs) > 1 else "")
-            bands = [(text(v.text), text(v.found), _mark(v.passed)) for v in run.verdicts]
+            bands = [(text(v.words), text(v.found), _mark(v.passed)) for v in run.verdicts]
             parts.append(table((title, "found", ""), bands, "bands"))
     return "".join(parts) + "</section>\n"
 

@@ -1,5 +1,6 @@
 """Judge scenarios by the bands they state: what a user's CI calls."""
 
+import time
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
@@ -16,6 +17,7 @@ from bridge.runs.run import Outcome, run_scenario
 from bridge.scenario import Scenario
 from bridge.scenario.bands import UNDEFINED, cycle_words, outside, parse_band, signal_with_unit, value_with_unit
 from bridge.scenario.circuit import circuit_of
+from bridge.scenario.model import Expected
 from bridge.wire.messages import Ending, Mode, ending_of
 from controller.bands import END, START, WHOLE, Band, Metrics, WindowBand, judge
 from controller.grid import NS
@@ -33,6 +35,13 @@ class Judgement(NamedTuple):
     text: str
     found: str
     passed: bool
+    id: str = ""  # of the requirement, if one is named
+    requirement: str = ""  # in its own words
+
+    @property
+    def words(self) -> str:
+        """The band, behind the name of its requirement."""
+        return Expected(self.text, self.id).words
 
 
 class CheckResult(NamedTuple):
@@ -44,6 +53,7 @@ class CheckResult(NamedTuple):
     notes: list[str]  # what people should know, without being a failure
     recording: Path | None
     interrupted: bool  # by somebody: what else was to be judged is not
+    seconds: float  # of wall time
 
     @property
     def passed(self) -> bool:
@@ -58,25 +68,29 @@ class CheckResult(NamedTuple):
             "bands": [verdict._asdict() for verdict in self.verdicts],
             "faults": self.faults,
             "notes": self.notes,
+            "seconds": self.seconds,
             "recording": str(self.recording) if self.recording else None,
         }
 
 
 def refuse_windows(scenario: Scenario) -> None:
     """Raises ScenarioError for a band about a time that the run does not reach."""
-    for text in scenario.expect:
+    for text in (expected.band for expected in scenario.expected):
         if wrong := outside(parse_band(text), scenario.duration):
             raise ScenarioError(f"{scenario.name}: expect {text!r}: {wrong}; lengthen duration or move the window")
 
 
 def check_scenario(scenario: Scenario, mode: Mode, folder: Path) -> CheckResult:
     """Run a scenario headless and judge it."""
+    begin = time.monotonic()
     with own_name(folder / f"{scenario.name}-check-running.mcap") as path:
         outcome = run_scenario(scenario, RunOptions(mode, path))
         verdicts = judge_run(scenario, outcome.summary, outcome.recording)
         recording = _renamed(outcome, folder / f"{scenario.name}-check.mcap")
     faults = [*outcome.faults, *([] if scenario.expect else [NOTHING_EXPECTED])]
-    return CheckResult(scenario, verdicts, faults, outcome.notes, recording, outcome.interrupted)
+    return CheckResult(
+        scenario, verdicts, faults, outcome.notes, recording, outcome.interrupted, time.monotonic() - begin
+    )
 
 
 def _renamed(outcome: Outcome, path: Path) -> Path | None:
@@ -87,19 +101,30 @@ def _renamed(outcome: Outcome, path: Path) -> Path | None:
 
 
 def junit_xml(results: list[CheckResult]) -> str:
-    """The results as JUnit XML, one test case per band."""
+    """The results as JUnit XML: one test case per band, with what was found and its requirement, and one of the run."""
     suites = ET.Element("testsuites", name="hydrotwin check")
     for result in results:
-        cases = [(v.text, None if v.passed else f"found {v.found}") for v in result.verdicts]
-        cases += [("run", visible("; ".join(result.faults)) or None)]
-        failures = sum(failure is not None for _, failure in cases)
-        name = result.scenario.name
-        suite = ET.SubElement(suites, "testsuite", name=name, tests=str(len(cases)), failures=str(failures))
-        for text, failure in cases:
-            case = ET.SubElement(suite, "testcase", classname=name, name=visible(text))
-            if failure is not None:
-                ET.SubElement(case, "failure", message=failure)
+        name, taken = result.scenario.name, f"{result.seconds:.3f}"
+        failures = sum(not verdict.passed for verdict in result.verdicts) + bool(result.faults)
+        suite = ET.SubElement(suites, "testsuite", name=name, tests=str(len(result.verdicts) + 1))
+        suite.attrib |= {"failures": str(failures), "time": taken}
+        for verdict in result.verdicts:
+            case = ET.SubElement(suite, "testcase", classname=name, name=visible(verdict.words), time="0")
+            known = {"found": verdict.found, "requirement": verdict.id, "requirement text": verdict.requirement}
+            _describe(case, known, "" if verdict.passed else f"found {verdict.found}")
+        case = ET.SubElement(suite, "testcase", classname=name, name="run", time=taken)
+        _describe(case, {"recording": str(result.recording or "")}, visible("; ".join(result.faults)))
     return _text(suites)
+
+
+def _describe(case: ET.Element, known: dict[str, str], failure: str) -> None:
+    """The properties of a test case that say something, and its failure if there is one."""
+    properties = ET.SubElement(case, "properties")
+    for name, value in known.items():
+        if value:
+            ET.SubElement(properties, "property", name=name, value=visible(value))
+    if failure:
+        ET.SubElement(case, "failure", message=failure)
 
 
 def refused_xml(scenarios: list[str], reason: str) -> str:
@@ -120,12 +145,19 @@ def _text(suites: ET.Element) -> str:
 def judge_run(scenario: Scenario, summary: Summary | None, recording: Recording | Path | None) -> list[Judgement]:
     """A verdict on each band of a scenario. A run that left nothing behind fails; one that ended early passes none."""
     metrics = (summary and summary.metrics) or UNKNOWN
-    bands = [(text, parse_band(text)) for text in scenario.expect]
+    bands = [(expected.band, parse_band(expected.band)) for expected in scenario.expected]
     look = Look(recording, scenario) if recording and any(not _of_run(band) for _, band in bands) else None
     found = [_judge(text, band, metrics) if _of_run(band) else look_up(text, band, look) for text, band in bands]
+    named = [v._replace(id=e.id, requirement=e.text) for v, e in zip(found, scenario.expected, strict=True)]
     if summary is None or ending_of(summary.ending) == Ending.COMPLETE:
-        return found
-    return [verdict._replace(passed=False, found=f"{verdict.found}, until it ended early") for verdict in found]
+        return named
+    return [verdict._replace(passed=False, found=f"{verdict.found}, until it ended early") for verdict in named]
+
+
+def coverage(scenarios: list[Scenario]) -> list[tuple[str, str, str, str]]:
+    """Requirement, its words, scenario and band of all that some scenarios expect; those of no requirement last."""
+    rows = [(e.id, e.text, scenario.name, e.band) for scenario in scenarios for e in scenario.expected]
+    return sorted(rows, key=lambda row: (not row[0], row[0]))
 
 
 def _of_run(band: Band | WindowBand) -> TypeGuard[Band]:

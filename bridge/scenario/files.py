@@ -22,7 +22,7 @@ class Listed(NamedTuple):
     name: str
     title: str
     duration: float
-    expect: list[str]
+    bands: list[str]
 
 
 def names() -> list[str]:
@@ -38,7 +38,12 @@ def listed(name: str) -> Listed:
     """A built-in scenario for a list: it has been checked, so that its plain data will do."""
     data = plain(name)
     duration = quantity(data.get("duration", DURATION), "s")
-    return Listed(data["name"], data.get("title", ""), duration, data.get("expect", []))
+    return Listed(
+        data["name"],
+        data.get("title", ""),
+        duration,
+        [e if isinstance(e, str) else e["band"] for e in data.get("expect", [])],
+    )
 
 
 def plain(which: str) -> dict[str, Any]:

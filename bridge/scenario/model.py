@@ -21,6 +21,7 @@ from bridge.scenario.fields import (
 from bridge.scenario.files import DURATION
 from bridge.scenario.reach import refuse_far
 from bridge.scenario.references import Reference
+from bridge.scenario.requirements import Expectation, Expected
 from controller.grid import NS, Sampling, sampling
 from twin.rig import RIG, Choice, Entry, values
 from twin.topology import CHANNELS
@@ -141,7 +142,9 @@ class Scenario(Part):
     real_time: RealTime = RealTime()
     allowed: Allowed = Allowed()
     rig: RigParts = Field(default_factory=_rig)
-    expect: list[str] = Field(default=[], description='such as "overshoot <= 5 %", "limit cycle: none"')
+    expect: list[Expectation] = Field(
+        default=[], description='such as "overshoot <= 5 %", "limit cycle: none"; or {id, text, band} of a requirement'
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> "Scenario":
@@ -163,10 +166,15 @@ class Scenario(Part):
                 "controller.velocity 'measured' needs a tachometer: set daq.tachometer = true, "
                 "or controller.velocity = 'backward' or 'filtered'"
             )
-        for text in self.expect:
-            parse_band(text)
+        for expected in self.expected:
+            parse_band(expected.band)
         self.reference.reference()
         return self
+
+    @property
+    def expected(self) -> list[Expected]:
+        """What is expected of a run."""
+        return [Expected(e) if isinstance(e, str) else Expected(e.band, e.id, e.text) for e in self.expect]
 
     def rig_values(self) -> dict[str, dict[str, Any]]:
         """The rig's numbers and words with this scenario's own in place."""

@@ -32,7 +32,7 @@ def test_the_list_shows_what_the_checked_scenarios_say():
     """The list reads plain data; the model checks them."""
     for name in names():
         checked, shown = load(name), listed(name)
-        assert shown == (checked.name, checked.title, checked.duration, checked.expect)
+        assert shown == (checked.name, checked.title, checked.duration, [e.band for e in checked.expected])
 
 
 @pytest.mark.parametrize(

@@ -219,3 +219,55 @@ def test_a_run_that_ended_early_passes_no_band(tmp_path: Path):
     assert all(verdict.found.endswith(", until it ended early") for verdict in early.verdicts)
     whole = load_run(record_in_process(load("step", [*words, "duration=0.3"]), tmp_path / "b.mcap").path)
     assert [verdict.passed for verdict in whole.verdicts] == [True] * 3
+
+
+REQUIREMENTS = """\
+extends = "step"
+name = "own"
+duration = 3.0
+expect = [
+    {id = "HYD-012", text = "Never more than 80 bar.", band = "peak p_lower <= 80 bar"},
+    {id = "HYD-007", band = "overshoot <= 0.1 %"},
+    "limit cycle amplitude <= 0.4 mm",
+]
+"""
+
+
+def test_a_requirement_is_named_with_what_was_found(tmp_path: Path):
+    (tmp_path / "own.toml").write_text(REQUIREMENTS)
+    done = hydrotwin_here("check", "own.toml", "--junit", "j.xml", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "HYD-007: overshoot <= 0.1 %" in done.stdout
+    suite = ET.parse(tmp_path / "j.xml").getroot()[0]
+    cases = {case.get("name"): case for case in suite}
+    held = {p.get("name"): p.get("value") for p in cases["HYD-012: peak p_lower <= 80 bar"].iter("property")}
+    assert held["requirement"] == "HYD-012"
+    assert held["requirement text"] == "Never more than 80 bar."
+    assert str(held["found"]).endswith(" bar")
+    assert [name for name, case in cases.items() if case.find("failure") is not None] == ["HYD-007: overshoot <= 0.1 %"]
+    assert suite.get("time") == cases["run"].get("time") != "0.000"
+
+
+def test_coverage_lists_requirements_and_runs_nothing(tmp_path: Path):
+    (tmp_path / "own.toml").write_text(REQUIREMENTS)
+    done = hydrotwin_here("check", "own.toml", "step", "--coverage", "--json", cwd=tmp_path)
+    rows = [(row["requirement"], row["scenario"]) for row in json.loads(done.stdout)]
+    assert rows[:3] == [("HYD-007", "own"), ("HYD-012", "own"), ("", "own")]
+    assert {scenario for _, scenario in rows[3:]} == {"step"}
+    assert [path.name for path in tmp_path.iterdir()] == ["own.toml"]
+
+
+@pytest.mark.parametrize(
+    ("expected", "complaint"),
+    [
+        ('{id = "a b", band = "overshoot <= 5 %"}', "expect.0.requirement.id: string should match"),
+        ('{band = "overshoot <= 5 %"}', "expect.0.requirement.id: field required"),
+        ('{id = "a", band = "overshot <= 5 %"}', "no metric 'overshot'; did you mean 'overshoot'"),
+    ],
+)
+def test_a_requirement_that_is_none_is_one_line(expected: str, complaint: str, tmp_path: Path):
+    (tmp_path / "own.toml").write_text(f'extends = "step"\nexpect = [{expected}]\n')
+    done = hydrotwin_here("check", "own.toml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert complaint in done.stderr
+    assert len(done.stderr.splitlines()) == 1
