@@ -82,11 +82,11 @@ def print_checks(results: "list[CheckResult]") -> None:
     """The verdicts of `hydrotwin check`."""
     rows = []
     for result in results:
-        rows += [(result.scenario.name, fault, "", Text("FAILED", "red")) for fault in result.faults]
+        rows += [(result.name, fault, "", Text("FAILED", "red")) for fault in result.faults]
         for verdict in result.verdicts:
             mark = Text("passed", "green") if verdict.passed else Text("FAILED", "red")
-            rows.append((result.scenario.name, verdict.words, verdict.found, mark))
-        rows += [(result.scenario.name, note, "", Text("note", "yellow")) for note in result.notes]
+            rows.append((result.name, verdict.words, verdict.found, mark))
+        rows += [(result.name, note, "", Text("note", "yellow")) for note in result.notes]
     print_table(("scenario", "expected", "found", ""), rows)
 
 

@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,9 +18,11 @@ from bridge.cli.options import (
     seconds,
 )
 from bridge.cli.outputs import print_json, write_text
+from bridge.cli.streams import complain
 from bridge.errors import UsageError
 
 if TYPE_CHECKING:
+    from bridge.runs.check import CheckResult
     from bridge.scenario import Scenario
 
 RECORD = Annotated[
@@ -95,43 +98,90 @@ def check(
     mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.INPROCESS,
     changes: CHANGES = None,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here.")] = None,
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the recordings.")] = Path("runs"),
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="Folder for the recordings. [default: runs/check-TIME]", show_default=False
+        ),
+    ] = None,
+    report: Annotated[bool, typer.Option("--report", help="Write a page on each run beside its recording.")] = False,
     covered: Annotated[
         bool, typer.Option("--coverage", help="Run nothing: list the requirements, and the bands that belong to each.")
     ] = False,
     as_json: AS_JSON = False,
 ) -> None:
     """Run scenarios headless and judge the bands they state; for CI."""
-    from bridge.scenario import load
-
     if covered:
+        from bridge.scenario import load
+
         _print_coverage([load(name, changes) for name in scenarios], as_json)
         return
-    try:
-        loaded = [load(name, changes) for name in scenarios]
-        from bridge.runs.check import refuse_windows
-        from bridge.runs.run import ready_to_run
+    asked = [(name, _loaded(name, changes)) for name in scenarios]
+    wrong = [str(found) for _, found in asked if isinstance(found, UsageError)]
+    if len(wrong) == len(asked) and junit is None:
+        raise UsageError("\n".join(wrong))
+    from bridge.runs.check import junit_xml
 
-        for scenario in loaded:
-            ready_to_run(scenario)  # all are good, or none is run
-            refuse_windows(scenario)
-    except UsageError as error:
-        _write_refusal(junit, scenarios, str(error))
-        raise
-    from bridge.cli.printing import print_checks
-    from bridge.runs.check import check_scenario, junit_xml
-
-    results = []
-    for scenario in loaded:
-        results.append(check_scenario(scenario, mode, output))
-        if results[-1].interrupted:
-            break
+    folder = output or default_folder()
+    results = list(_checked(asked, mode, folder))
     written = write_text(junit, junit_xml(results))
+    refused = [fault for result in results if result.refused for fault in result.faults]
+    if len(refused) == len(results):
+        raise UsageError("\n".join(refused))
+    complain("\n".join(refused))
+    recordings = [result.recording for result in results if result.recording]
+    if report:
+        _write_reports(recordings)
     if as_json:
         print_json([result.plain() for result in results])
     else:
+        from bridge.cli.printing import print_checks
+
         print_checks(results)
-    raise typer.Exit(0 if written and all(result.passed for result in results) else 1)
+        print(f"recordings in {folder}")
+    well = written and all(result.passed for result in results)
+    raise typer.Exit(2 if refused else 0 if well else 1)
+
+
+def default_folder() -> Path:
+    """runs/check-TIME"""
+    return Path("runs") / f"check-{time.strftime('%Y%m%d-%H%M%S')}"
+
+
+def _loaded(name: str, changes: list[str] | None) -> "Scenario | UsageError":
+    from bridge.scenario import load
+
+    try:
+        return load(name, changes)
+    except UsageError as error:
+        return error
+
+
+def _checked(asked: "list[tuple[str, Scenario | UsageError]]", mode: Mode, folder: Path) -> "Iterator[CheckResult]":
+    """One result after the other; a scenario that cannot be run does not stop the others, an interrupt does."""
+    from bridge.runs.check import check_scenario, refusal, refuse_windows
+    from bridge.runs.run import ready_to_run
+
+    for name, scenario in asked:
+        try:
+            if isinstance(scenario, UsageError):
+                raise scenario
+            ready_to_run(scenario)
+            refuse_windows(scenario)
+        except UsageError as error:
+            yield refusal(name, str(error))
+            continue
+        yield (result := check_scenario(scenario, mode, folder))
+        if result.interrupted:
+            return
+
+
+def _write_reports(recordings: list[Path]) -> None:
+    """A page beside each recording."""
+    from bridge.report.page import write_report
+
+    for recording in recordings:
+        write_report([recording], recording.with_suffix(".html"))
 
 
 def _print_coverage(scenarios: "list[Scenario]", as_json: bool) -> None:
@@ -143,11 +193,3 @@ def _print_coverage(scenarios: "list[Scenario]", as_json: bool) -> None:
         print_json([dict(zip(heads, row, strict=True)) for row in rows])
     else:
         print_table(heads, [(row[0] or "-", *row[1:]) for row in rows])
-
-
-def _write_refusal(junit: Path | None, scenarios: list[str], reason: str) -> None:
-    """Whoever reads the JUnit file must not find an earlier one there."""
-    if junit is not None:
-        from bridge.runs.check import refused_xml
-
-        write_text(junit, refused_xml(scenarios, reason))

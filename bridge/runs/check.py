@@ -13,7 +13,7 @@ from bridge.recording.columns import signals, sine_of
 from bridge.recording.names import own_name
 from bridge.recording.reader import Recording, read
 from bridge.recording.summary import Summary
-from bridge.runs.run import Outcome, run_scenario
+from bridge.runs.run import run_scenario
 from bridge.scenario import Scenario
 from bridge.scenario.bands import UNDEFINED, cycle_words, outside, parse_band, signal_with_unit, value_with_unit
 from bridge.scenario.circuit import circuit_of
@@ -47,13 +47,14 @@ class Judgement(NamedTuple):
 class CheckResult(NamedTuple):
     """One scenario, judged."""
 
-    scenario: Scenario
+    name: str  # of the scenario; of one that could not be read as it was asked for
     verdicts: list[Judgement]
     faults: list[str]
     notes: list[str]  # what people should know, without being a failure
     recording: Path | None
     interrupted: bool  # by somebody: what else was to be judged is not
     seconds: float  # of wall time
+    refused: bool = False  # it could not be run at all
 
     @property
     def passed(self) -> bool:
@@ -63,7 +64,7 @@ class CheckResult(NamedTuple):
     def plain(self) -> dict[str, Any]:
         """For JSON."""
         return {
-            "scenario": self.scenario.name,
+            "scenario": self.name,
             "passed": self.passed,
             "bands": [verdict._asdict() for verdict in self.verdicts],
             "faults": self.faults,
@@ -80,31 +81,32 @@ def refuse_windows(scenario: Scenario) -> None:
             raise ScenarioError(f"{scenario.name}: expect {text!r}: {wrong}; lengthen duration or move the window")
 
 
+def refusal(name: str, reason: str) -> CheckResult:
+    """Of a scenario that could not be run."""
+    return CheckResult(name, [], [reason], [], None, interrupted=False, seconds=0.0, refused=True)
+
+
 def check_scenario(scenario: Scenario, mode: Mode, folder: Path) -> CheckResult:
-    """Run a scenario headless and judge it."""
+    """Run a scenario headless and judge it; its recording overwrites nothing."""
     begin = time.monotonic()
-    with own_name(folder / f"{scenario.name}-check-running.mcap") as path:
+    with own_name(folder / f"{scenario.name}.mcap") as path:
         outcome = run_scenario(scenario, RunOptions(mode, path))
         verdicts = judge_run(scenario, outcome.summary, outcome.recording)
-        recording = _renamed(outcome, folder / f"{scenario.name}-check.mcap")
     faults = [*outcome.faults, *([] if scenario.expect else [NOTHING_EXPECTED])]
-    return CheckResult(
-        scenario, verdicts, faults, outcome.notes, recording, outcome.interrupted, time.monotonic() - begin
-    )
-
-
-def _renamed(outcome: Outcome, path: Path) -> Path | None:
-    """A recording that is judged, and its picture, get the names of the scenario's last check."""
-    if outcome.picture is not None:
-        outcome.picture.replace(path.with_suffix(outcome.picture.suffix))
-    return None if outcome.recording is None else outcome.recording.replace(path)
+    seconds = time.monotonic() - begin
+    return CheckResult(scenario.name, verdicts, faults, outcome.notes, outcome.recording, outcome.interrupted, seconds)
 
 
 def junit_xml(results: list[CheckResult]) -> str:
     """The results as JUnit XML: one test case per band, with what was found and its requirement, and one of the run."""
     suites = ET.Element("testsuites", name="hydrotwin check")
     for result in results:
-        name, taken = result.scenario.name, f"{result.seconds:.3f}"
+        name, taken = visible(result.name), f"{result.seconds:.3f}"
+        if result.refused:
+            suite = ET.SubElement(suites, "testsuite", name=name, tests="1", errors="1")
+            case = ET.SubElement(suite, "testcase", classname=name, name="scenario")
+            ET.SubElement(case, "error", message=visible("; ".join(result.faults)))
+            continue
         failures = sum(not verdict.passed for verdict in result.verdicts) + bool(result.faults)
         suite = ET.SubElement(suites, "testsuite", name=name, tests=str(len(result.verdicts) + 1))
         suite.attrib |= {"failures": str(failures), "time": taken}
@@ -125,16 +127,6 @@ def _describe(case: ET.Element, known: dict[str, str], failure: str) -> None:
             ET.SubElement(properties, "property", name=name, value=visible(value))
     if failure:
         ET.SubElement(case, "failure", message=failure)
-
-
-def refused_xml(scenarios: list[str], reason: str) -> str:
-    """JUnit XML where nothing was run: one test case per scenario, in error."""
-    suites = ET.Element("testsuites", name="hydrotwin check")
-    for name in map(visible, scenarios):
-        suite = ET.SubElement(suites, "testsuite", name=name, tests="1", errors="1")
-        case = ET.SubElement(suite, "testcase", classname=name, name="scenario")
-        ET.SubElement(case, "error", message=visible(reason))
-    return _text(suites)
 
 
 def _text(suites: ET.Element) -> str:

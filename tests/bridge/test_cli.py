@@ -126,7 +126,7 @@ def test_check_passes_good_scenarios_and_writes_junit(tmp_path):
     root = ET.parse(tmp_path / "j.xml").getroot()
     assert [suite.get("name") for suite in root] == ["step", "slow-sampling", "delay"]
     assert not list(root.iter("failure"))
-    assert len(list((tmp_path / "runs").glob("*.mcap"))) == 3
+    assert len(list((tmp_path / "runs").glob("check-*/*.mcap"))) == 3
 
 
 def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):

@@ -108,11 +108,13 @@ def test_a_disk_that_fills_up_leaves_a_recording_that_says_why_it_ends(here: Pat
 
 def test_a_full_disk_costs_one_scenario_its_verdict_and_not_the_others(here: Path, monkeypatch: pytest.MonkeyPatch):
     fill_up(monkeypatch, 100_000)
-    done = hydrotwin("check", "step", "load-change", "--set", "duration=1", "-o", "m", "--junit", "j.xml")
+    done = hydrotwin("check", "step", "pid", "--set", "duration=1.5", "-o", "m", "--junit", "j.xml")
     assert done.exit_code == 1
     assert "Traceback" not in done.output
     suites = ET.parse(here / "j.xml").getroot()
-    assert [suite.get("name") for suite in suites] == ["step", "load-change"]
+    assert [suite.get("name") for suite in suites] == ["step", "pid"]
+    failures = [[failure.get("message") or "" for failure in suite.iter("failure")] for suite in suites]
+    assert any("No space left on device" in message for message in failures[0])
 
 
 @pytest.mark.parametrize(
@@ -218,7 +220,7 @@ def test_a_working_folder_that_was_removed_is_named(tmp_path: Path, text: str):
 @pytest.mark.parametrize("locale", ["C", "en_US.ISO-8859-1"])
 def test_files_are_utf_8_in_any_locale(tmp_path: Path, locale: str):
     (tmp_path / "own.toml").write_text('extends = "step"\ntitle = "Größe µ"\nduration = "0.1 s"\n', encoding="utf-8")
-    run = "ht check own.toml --junit j.xml; ht info runs/own-check.mcap; ht info runs/own-check.mcap --json"
+    run = "ht check own.toml --junit j.xml -o m; ht info m/own.mcap; ht info m/own.mcap --json"
     done = command(run, tmp_path, LC_ALL=locale, PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")
     assert "Traceback" not in done.stderr
     assert done.returncode == 0

@@ -271,3 +271,19 @@ def test_a_requirement_that_is_none_is_one_line(expected: str, complaint: str, t
     assert done.returncode == 2
     assert complaint in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_check_overwrites_nothing_and_a_bad_scenario_stops_no_other(tmp_path: Path):
+    """Two calls into one folder, with a page on each run; what could not be run is an error in the JUnit file."""
+    (tmp_path / "good.toml").write_text('extends = "step"\nduration = "0.05 s"\nexpect = ["max error <= 1 m"]\n')
+    (tmp_path / "bad.toml").write_text('extends = "step"\nduration = "0.05 s"\n[rig.load]\nmas = 3\n')
+    words = ("check", "bad.toml", "good.toml", "-o", "m", "--junit", "j.xml")
+    done = hydrotwin_here(*words, "--report", cwd=tmp_path)
+    assert done.returncode == 2  # the others' verdicts are in the JUnit file
+    assert "rig.load.mas: unknown key; did you mean 'mass'" in done.stdout
+    suites = {suite.attrib["name"]: suite for suite in ET.parse(tmp_path / "j.xml").iter("testsuite")}
+    assert (suites["bad.toml"].get("errors"), suites["good"].get("failures")) == ("1", "0")
+    first = (tmp_path / "m" / "good.mcap").read_bytes()
+    assert hydrotwin_here("check", "good.toml", "-o", "m", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "m" / "good.mcap").read_bytes() == first
+    assert sorted(path.name for path in (tmp_path / "m").iterdir()) == ["good-2.mcap", "good.html", "good.mcap"]
