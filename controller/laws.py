@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from controller.law import Law, open_loop, pd, relay
 from controller.pid import pid
+from controller.state_space import state_space
 
 Hook = Callable[[Any], Any]  # memory -> memory
 
@@ -31,4 +32,5 @@ LAWS: dict[str, ControlLaw] = {
     "pid": ControlLaw(pid),
     "relay": ControlLaw(relay),
     "open-loop": ControlLaw(open_loop),
+    "state-space": ControlLaw(state_space),
 }

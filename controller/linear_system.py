@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from controller.law import Gains, Law, Sample, compensate, saturate
 from controller.reference import Target
+from controller.state_space import dot
 
 Matrix = Sequence[Sequence[float]]
 SAME = 1e-9  # [s], between a system's dt and the sampling period
@@ -21,13 +22,9 @@ def system_law(a: Matrix, b: Matrix, c: Matrix, d: Matrix, dt: float) -> Law:
         if abs(gains.sample_period - dt) > SAME:
             raise ValueError(f"the system has dt {dt:g} s, loop.sample_period is {gains.sample_period:g} s")
         z, error = memory or [0.0] * len(entry), target.position - sample.position
-        h = gains.proportional * (_dot(row, z) + direct * error)
-        then = [_dot(line, z) + entry_i * error for line, entry_i in zip(a, entry, strict=True)]
+        h = gains.proportional * (dot(row, z) + direct * error)
+        then = [dot(line, z) + entry_i * error for line, entry_i in zip(a, entry, strict=True)]
         return saturate(compensate(h, gains.overlap), gains.limit), then
 
     law.system = (a, entry, row, direct)  # pyright: ignore[reportFunctionMemberAccess]
     return law
-
-
-def _dot(left: Sequence[float], right: Sequence[float]) -> float:
-    return sum(x * y for x, y in zip(left, right, strict=True))

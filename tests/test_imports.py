@@ -31,7 +31,7 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
     "controller": (
         (
             *("bands", "grid", "hold", "law", "laws", "linear_system", "metrics", "oscillation"),
-            *("pid", "reference", "stretches", "tracking", "window"),
+            *("pid", "reference", "state_space", "stretches", "tracking", "window"),
         ),
         ("stability",),
         ("stability.actuator", "stability.amplitude"),

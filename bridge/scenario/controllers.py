@@ -1,16 +1,18 @@
 """The controllers a scenario can ask for, by `controller.kind`; each gives the numbers of its law in SI."""
 
 import math
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from bridge.errors import MisplacedError, nearest
 from bridge.scenario.fields import DerivativeGain, Fraction, IntegralGain, Part, ProportionalGain, Seconds, by_kind
 from bridge.scenario.law_file import with_kind
+from bridge.scenario.state_space import READS, SAME, Matrix, Signal, refuse_matrices
 from bridge.scenario.units import split
 from controller import law as laws
 from controller.pid import BACK_CALCULATION, PidGains
+from controller.state_space import StateSpaceGains
 
 Velocity = Literal["measured", "backward", "filtered"]
 
@@ -31,6 +33,11 @@ class Scale(NamedTuple):
 
 class Base(Part):
     """What all controllers have in common."""
+
+    NO_TACHOMETER: ClassVar[str] = (
+        "controller.velocity 'measured' needs a tachometer: set daq.tachometer = true, "
+        "or controller.velocity = 'backward' or 'filtered'"
+    )
 
     kind: Any
     limit: Fraction = Field(default=1.0, gt=0.0, le=1.0, description="saturation of the spool reference")
@@ -168,6 +175,56 @@ class OpenLoop(Base):
         return laws.OpenLoopGains(self.limit)
 
 
+class StateSpace(Base):
+    """A sampled linear law: z <- A z + B u, spool = C z + D u."""
+
+    NO_TACHOMETER: ClassVar[str] = (
+        "controller.inputs 'velocity' needs a tachometer: set daq.tachometer = true, or read 'position' instead"
+    )
+
+    kind: Literal["state-space"]
+    A: Matrix = Field(default=[], description="n rows of n numbers; none for a law without memory")
+    B: Matrix = Field(default=[], description="n rows, a column per input")
+    C: Matrix = Field(default=[[]], description="one row of n numbers")
+    D: Matrix = Field(description="one row, a number per input")
+    dt: Seconds = Field(gt=0.0, description="sampling period that the matrices are for; equals loop.sample_period")
+    inputs: list[Signal] = Field(default=["error"], min_length=1, description=READS)
+    compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
+    overlap_share: Fraction = Field(
+        default=1.0, gt=0.0, le=1.0, description="of the overlap that is jumped; below 1 a dead band is left"
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> "StateSpace":
+        refuse_matrices(self.A, self.B, self.C, self.D, len(self.inputs))
+        return self
+
+    @property
+    def needs_tachometer(self) -> bool:
+        return "velocity" in self.inputs
+
+    @property
+    def jumped_share(self) -> float:
+        return self.overlap_share if self.compensate_overlap else 0.0
+
+    def refuse_period(self, period: float) -> None:
+        if abs(self.dt - period) > SAME:
+            raise ValueError(f"controller.dt {self.dt:g} s must equal loop.sample_period, {period:g} s")
+
+    def gains(self, scale: Scale) -> StateSpaceGains:
+        """The numbers of `controller.state_space.state_space`."""
+        return StateSpaceGains(
+            a=tuple(map(tuple, self.A)),
+            b=tuple(map(tuple, self.B)),
+            c=tuple(self.C[0]),
+            d=tuple(self.D[0]),
+            inputs=tuple(self.inputs),
+            sample_period=scale.sample_period,
+            limit=self.limit,
+            overlap=self.jumped_share * scale.overlap,
+        )
+
+
 def _function(name: str) -> str:
     module, _, function = name.rpartition(":")
     if module and function.isidentifier():
@@ -186,7 +243,7 @@ class Python(PdGains):
         return False
 
 
-AnyController = Pd | Pid | Relay | OpenLoop | Python
+AnyController = Pd | Pid | Relay | OpenLoop | StateSpace | Python
 KINDS = by_kind(AnyController)
 ONLY_SIGN = "a relay knows only the sign: give controller.derivative_time, the derivative over the gain [s]"
 INSTEAD = {("relay", "gain"): ONLY_SIGN, ("relay", "derivative"): ONLY_SIGN}

@@ -5,6 +5,7 @@ from bridge.scenario.controllers import PdGains, Scale
 from bridge.scenario.model import Scenario
 from controller.law import Gains, OpenLoopGains, RelayGains
 from controller.pid import PidGains
+from controller.state_space import StateSpaceGains
 
 
 def scale_of(scenario: Scenario) -> Scale:
@@ -13,7 +14,7 @@ def scale_of(scenario: Scenario) -> Scale:
     return Scale(rig.cylinder.stroke, rig.valve.full_scale, rig.valve.overlap, scenario.loop.sample_period)
 
 
-def law_gains(scenario: Scenario) -> Gains | PidGains | RelayGains | OpenLoopGains:
+def law_gains(scenario: Scenario) -> Gains | PidGains | RelayGains | OpenLoopGains | StateSpaceGains:
     """What the scenario's law is given."""
     return scenario.controller.gains(scale_of(scenario))
 

@@ -162,10 +162,7 @@ class Scenario(Part):
             raise ValueError(f"daq.skew {self.daq.skew:g} s: at most {most:g} s, so that a scan ends within a step")
         self.controller.refuse_period(self.loop.sample_period)
         if self.controller.needs_tachometer and not self.daq.tachometer:
-            raise ValueError(
-                "controller.velocity 'measured' needs a tachometer: set daq.tachometer = true, "
-                "or controller.velocity = 'backward' or 'filtered'"
-            )
+            raise ValueError(self.controller.NO_TACHOMETER)
         for expected in self.expected:
             parse_band(expected.band)
         self.reference.reference()
