@@ -14,7 +14,7 @@ def refuse_matrices(a: Matrix, b: Matrix, c: Matrix, d: Matrix, inputs: int) -> 
     states = len(a)
     expected = {"A": (a, states, states), "B": (b, states, inputs), "C": (c, 1, states), "D": (d, 1, inputs)}
     for name, (matrix, rows, columns) in expected.items():
-        if [len(row) for row in matrix] != [columns] * rows and not (columns == 0 and not any(matrix)):
+        if [len(row) for row in matrix] != [columns] * rows:
             raise ValueError(
                 f"{name} is {_shape(matrix)}, expected {rows} x {columns}: {_reason(name, states, inputs)}"
             )

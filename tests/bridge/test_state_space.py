@@ -61,6 +61,7 @@ def test_the_memory_is_forgotten_at_safe_state_and_on_resume():
         ({"A": [[0.5, 0.1]]}, "A is 1 x 2, expected 1 x 1: A is square"),
         ({"B": [[1.0], [2.0]]}, "B is 2 x 1, expected 2 x 2: A has 2 rows, there are 2 inputs"),
         ({"C": [[0.5, 2.0], [1.0, 1.0]]}, "C is 2 x 2, expected 1 x 2: one output, 2 states, 2 inputs"),
+        ({"A": [], "B": [], "C": []}, "C is 0 x 0, expected 1 x 0"),
         ({"D": [[4.0]]}, "D is 1 x 1, expected 1 x 2"),
         ({"A": [[0.5, 0.1], [0.0]]}, "A is ragged, expected 2 x 2"),
         ({"D": [[4.0, float("nan")]]}, "finite"),
