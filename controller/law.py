@@ -33,6 +33,19 @@ class Gains(NamedTuple):
     overlap: float  # of the valve lands to jump over, 0..1 of travel; 0.0: no dead-band compensation
 
 
+class UserGains(NamedTuple):
+    """What a user's law is given: the gains of `pd`, which it may use or not, and its own parameters."""
+
+    proportional: float
+    derivative: float
+    source: str
+    filter_time: float
+    sample_period: float
+    limit: float
+    overlap: float
+    parameters: Any  # by name, SI: as its module declares them, else what the scenario has under controller.parameters
+
+
 class RelayGains(NamedTuple):
     """Of `relay`."""
 

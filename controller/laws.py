@@ -25,6 +25,7 @@ class ControlLaw(NamedTuple):
     answer: Law
     on_safe_state: Hook = forget  # the valve has been centred: what comes now does not act
     on_resume: Hook = forget  # commands act again
+    prepare: Callable[[Any], Any] = lambda gains: gains  # makes what the law is given of a scenario's gains
 
 
 LAWS: dict[str, ControlLaw] = {

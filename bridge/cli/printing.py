@@ -143,7 +143,8 @@ def print_info(found: "RecordingInfo") -> None:
 
 
 def _facts(found: "RecordingInfo") -> list[tuple[str, Any]]:
-    names = ("ending", "scenario", "title", "rig", "mode", "speed", "recorded", "run_id", "lost", "host", "versions")
+    names = ("ending", "scenario", "title", "rig", "mode", "speed", "recorded", "run_id")
+    names += ("law", "parameters", "lost", "host", "versions")
     own = [(f"{name}.{key}", value) for name, values in found.metadata.items() for key, value in values.items()]
     known = found.plain()
     return [(name, known[name]) for name in names if known.get(name) not in (None, "", {})] + own

@@ -21,7 +21,7 @@ class ControllerSide:
         self.grid = scenario.loop.grid()
         self.source = source
         self.law = law_of(scenario.controller)
-        self.gains = law_gains(scenario)
+        self.gains = self.law.prepare(law_gains(scenario))
         self.reference = scenario.reference.reference()
         self.follows = scenario.controller.follows
         self.published: dict[str, int] = {"command": 0, "reference": 0}

@@ -9,11 +9,13 @@ import importlib.util
 import re
 import sys
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from bridge.errors import RunError, ScenarioError
+from bridge.loop.parameters import filled
 from bridge.scenario.controllers import Controller, Python
 from bridge.scenario.law_file import law_file
 from controller.law import Law, Sample
@@ -54,7 +56,13 @@ def find_law(name: str) -> ControlLaw:
         answer.system = linear.system
         return ControlLaw(answer)
     hooks = {hook: _hook(getattr(loaded, hook, None), f"{name}: {hook}", place) for hook in HOOKS}
-    return ControlLaw(_checked(law, name, place), **hooks)
+    return ControlLaw(_checked(law, name, place), **hooks, prepare=_prepared(loaded, place))
+
+
+def _prepared(module: ModuleType, file: Path) -> Callable[[Any], Any]:
+    """What fills the parameters that a module declares as `Parameters` from those of the scenario."""
+    declared = getattr(module, "Parameters", None)
+    return lambda gains: gains._replace(parameters=filled(gains.parameters, declared, _short(str(file))))
 
 
 def law_object(law: Any) -> ControlLaw:

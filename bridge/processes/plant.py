@@ -16,6 +16,7 @@ from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop, prepare
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
+from bridge.scenario.law_file import law_facts
 from bridge.scenario.sameness import DIGEST, digest_of
 from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, decode, ready
@@ -71,7 +72,7 @@ class PlantProcess:
         self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
         self._status_due = 0
         self._timings = 0
-        self._facts = {"versions": versions(), "host": host()}
+        self._facts = {"versions": versions(), "host": host(), **law_facts(scenario.controller)}
         self._narrator = Narrator(options.quiet)
         self._told: set[str] = set()  # reasons of refusals that were said on the terminal
         self._digest = digest_of(scenario)

@@ -88,12 +88,20 @@ def describe(recording: Recording) -> RecordingInfo:
         scenario=scenario.get("name"),
         title=scenario.get("title"),
         rig=scenario.get("rig_name"),
-        run={name: run[name] for name in RUN if name in run},
+        run={name: run[name] for name in RUN if name in run} | _law(run),
         metadata={name: values for name, values in known.items() if name not in ("run", "summary")},
         channels=channels(recording),
         events=[_event(event) for event in recording.messages("event")] if "event" in recording.counts else [],
         summary=summary_of(recording),
     )
+
+
+def _law(run: dict[str, Any]) -> dict[str, Any]:
+    """Of a law of the user's: name, short hash and parameters."""
+    if "law" not in run:
+        return {}
+    parameters = run.get("scenario", {}).get("controller", {}).get("parameters", {})
+    return {"law": f"{run['law']['name']}, sha256 {run['law']['sha256'][:12]}", "parameters": parameters}
 
 
 def problems(recording: Recording) -> list[str]:

@@ -5,6 +5,7 @@ from typing import Any
 
 from bridge.machine.host import host, versions
 from bridge.scenario import Scenario
+from bridge.scenario.law_file import law_facts
 from bridge.wire.messages import Mode
 
 
@@ -18,4 +19,5 @@ def manifest(scenario: Scenario, run_id: int) -> dict[str, Any]:
         "versions": versions(),
         "host": host(),
         "recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+        **law_facts(scenario.controller),
     }

@@ -1,6 +1,7 @@
 """The controllers a scenario can ask for, by `controller.kind`; each gives the numbers of its law in SI."""
 
 import math
+from keyword import iskeyword
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -9,7 +10,7 @@ from bridge.errors import MisplacedError, nearest
 from bridge.scenario.fields import DerivativeGain, Fraction, IntegralGain, Part, ProportionalGain, Seconds, by_kind
 from bridge.scenario.law_file import with_kind
 from bridge.scenario.state_space import READS, SAME, Matrix, Signal, refuse_matrices
-from bridge.scenario.units import split
+from bridge.scenario.units import si, split
 from controller import law as laws
 from controller.pid import BACK_CALCULATION, PidGains
 from controller.state_space import StateSpaceGains
@@ -90,8 +91,11 @@ class WithGains(WithVelocity):
 class PdGains(WithGains):
     """A controller whose law is given the gains of `controller.law.pd`."""
 
-    def gains(self, scale: Scale) -> laws.Gains:
+    def gains(self, scale: Scale) -> laws.Gains | laws.UserGains:
         """The numbers of `controller.law.pd`."""
+        return self._own(scale)
+
+    def _own(self, scale: Scale) -> laws.Gains:
         return laws.Gains(
             proportional=scale.per_metre(self.gain),
             derivative=scale.per_metre(self.derivative),
@@ -232,15 +236,53 @@ def _function(name: str) -> str:
     raise ValueError(f"{name!r} names no function; write module:function or FILE.py:function")
 
 
+def _parameters(values: dict[str, Any]) -> dict[str, Any]:
+    for name, value in values.items():
+        if not name.isidentifier() or iskeyword(name):
+            raise ValueError(f"{name!r} is not a name of a parameter: letters, digits and _, not a digit first")
+        entries = value if isinstance(value, list) else [value]
+        if not all(isinstance(entry, bool | int | float | str) for entry in entries):
+            raise ValueError(f"{name} = {value!r}: a parameter is a number, a text, true or false, or a list of these")
+        for entry in entries:
+            if isinstance(entry, str) and not _is_gain(entry):
+                si(entry)
+    return values
+
+
+def _is_gain(text: str) -> bool:
+    """Is it in volts per % of the stroke?"""
+    try:
+        return split(text)[1] in ("V/%", "V s/%", "V/(% s)")
+    except ValueError:
+        return False
+
+
 class Python(PdGains):
-    """A function of your own, which is given the gains; it may use them or not."""
+    """A function of your own, which is given the gains, and parameters of its own."""
 
     kind: Literal["python"]
     law: Annotated[str, AfterValidator(_function)] = Field(description="module:function or FILE.py:function")
+    parameters: Annotated[dict[str, Any], AfterValidator(_parameters)] = Field(
+        default={}, description="of the law, which reads gains.parameters.NAME; a text with a unit arrives in SI"
+    )
+
+    def gains(self, scale: Scale) -> laws.UserGains:
+        """Those of `controller.law.pd`, and the parameters as plain numbers and words."""
+        parameters = {name: _plain(value, scale) for name, value in self.parameters.items()}
+        return laws.UserGains(*self._own(scale), parameters=parameters)
 
     @property
     def needs_tachometer(self) -> bool:
         return False
+
+
+def _plain(value: Any, scale: Scale) -> Any:
+    """A parameter in SI."""
+    if isinstance(value, list):
+        return [_plain(entry, scale) for entry in value]
+    if isinstance(value, str):
+        return scale.per_metre(value) if _is_gain(value) else si(value)
+    return value
 
 
 AnyController = Pd | Pid | Relay | OpenLoop | StateSpace | Python

@@ -3,7 +3,7 @@
 from bridge.errors import ScenarioError
 from bridge.scenario.controllers import PdGains, Scale
 from bridge.scenario.model import Scenario
-from controller.law import Gains, OpenLoopGains, RelayGains
+from controller.law import Gains, OpenLoopGains, RelayGains, UserGains
 from controller.pid import PidGains
 from controller.state_space import StateSpaceGains
 
@@ -14,12 +14,12 @@ def scale_of(scenario: Scenario) -> Scale:
     return Scale(rig.cylinder.stroke, rig.valve.full_scale, rig.valve.overlap, scenario.loop.sample_period)
 
 
-def law_gains(scenario: Scenario) -> Gains | PidGains | RelayGains | OpenLoopGains | StateSpaceGains:
+def law_gains(scenario: Scenario) -> Gains | UserGains | PidGains | RelayGains | OpenLoopGains | StateSpaceGains:
     """What the scenario's law is given."""
     return scenario.controller.gains(scale_of(scenario))
 
 
-def gains(scenario: Scenario) -> Gains:
+def gains(scenario: Scenario) -> Gains | UserGains:
     """The gains of a PD controller. Raises ScenarioError for another one."""
     if isinstance(scenario.controller, PdGains):
         return scenario.controller.gains(scale_of(scenario))

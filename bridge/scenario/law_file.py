@@ -1,5 +1,6 @@
 """Where a user's law is: `controller.law` names it as "module:function" or "path/to/file.py:function"."""
 
+import hashlib
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,17 @@ def law_file(name: str, folder: Path) -> Path | None:
         path = folder.joinpath(*module.split("."))
         candidates = (path.with_name(f"{path.name}.py"), path / "__init__.py")
     return next((file for file in candidates if file.is_file()), None)
+
+
+def law_facts(controller: Any) -> dict[str, Any]:
+    """What a recording keeps of a law that stands in a file: its name, text and hash; nothing of others."""
+    name = getattr(controller, "law", None)
+    file = law_file(name, Path.cwd()) if name else None
+    if name is None or file is None:
+        return {}
+    content = file.read_bytes()
+    text, digest = content.decode("utf-8", "replace"), hashlib.sha256(content).hexdigest()
+    return {"law": {"name": f"{file.name}:{name.rpartition(':')[2]}", "sha256": digest, "text": text}}
 
 
 def with_kind(controller: dict[str, Any]) -> dict[str, Any]:

@@ -99,6 +99,19 @@ def quantity(value: object, unit: str) -> float:
     return number * known[written].factor + known[written].offset
 
 
+def si(text: str) -> float | str:
+    """A text with any unit we know, in SI; a text that does not begin with a number is a word. Raises ValueError."""
+    try:
+        number, written = split(text)
+    except ValueError:
+        return text
+    known = {name: unit for units in UNITS.values() for name, unit in units.items() if not unit.offset}
+    known |= dict.fromkeys(("1/m", "s/m", "1/(m s)"), Unit(1.0))  # of gains
+    if written not in known:
+        raise ValueError(f"{text!r}: unit {written!r} is unknown{nearest(written, known)}")
+    return number * known[written].factor
+
+
 def interval(name: str, text: str, above: bool = True) -> tuple[float, float]:
     """The ends of LOW:HIGH, rising, from above 0 or from 0 on. Raises ValueError naming who asked."""
     low, _, high = text.partition(":")

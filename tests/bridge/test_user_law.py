@@ -1,19 +1,24 @@
 """A user's law in a file of its own: found beside its scenario, hidden by nobody, its mistakes named by their line."""
 
+import hashlib
 import sys
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bridge.errors import RunError, ScenarioError
 from bridge.loop.law import find_law
+from bridge.recording.reader import read
 from bridge.runs.in_process import record_in_process
+from bridge.runs.run import ready_to_run
 from bridge.scenario import Scenario, load
 from bridge.scenario.controllers import Python
 from controller.law import Gains, Sample
 from controller.reference import Target
-from tests.support.processes import UNDRAWN, hydrotwin
+from tests.support.processes import ROOT, UNDRAWN, hydrotwin
 
 ANSWER = "def law(sample, target, memory, gains):\n    return 0.25, memory\n"
 CALL = (Sample(0, 0.1, 0.0, 0.0, 0.0, 0.0), Target(0.1, 0.0), None, Gains(1.0, 0.0, "measured", 0.0, 0.01, 1.0, 0.0))
@@ -142,3 +147,100 @@ def test_a_failing_law_ends_a_run_with_its_line(elsewhere: Path, mode: str):
     assert done.returncode == 1
     assert "controller.py, line 2: ZeroDivisionError: division by zero" in (done.stdout + done.stderr).replace("\n", "")
     assert "Traceback" not in done.stdout + done.stderr
+
+
+DATACLASS = """\
+from dataclasses import dataclass
+
+
+@dataclass
+class Parameters:
+    kp: float  # [1/m]
+    ki: float = 0.0  # [1/(m s)]
+    deep: bool = False
+"""
+MODEL = """\
+from pydantic import BaseModel, Field
+
+
+class Parameters(BaseModel):
+    kp: float = Field(gt=0.0)
+    ki: float = 0.0
+"""
+PI = """\
+from controller.law import compensate, saturate
+
+
+def law(sample, target, memory, gains):
+    p, error, integral = gains.parameters, target.position - sample.position, memory or 0.0
+    u = saturate(compensate(p.kp * error + integral, gains.overlap), gains.limit)
+    return u, integral + p.ki * gains.sample_period * error
+"""
+
+
+def with_parameters(text: str, *parameters: str) -> Scenario:
+    """A short run of a law in `pi.py`."""
+    Path("pi.py").write_text(text + PI)
+    given = [f"controller.parameters.{parameter}" for parameter in parameters]
+    return load("step", ["controller.kind=python", "controller.law=pi.py:law", "duration=1.5", *given])
+
+
+@pytest.mark.parametrize("text", ["", DATACLASS, MODEL], ids=["free", "dataclass", "model"])
+def test_parameters_arrive_in_si_and_make_the_law_that_our_pid_is(elsewhere: Path, text: str):
+    """The same true positions as from kind = "pid" with those gains; the recording keeps the law and its numbers."""
+    gains = {"kp": "1.5 V/%", "ki": "0.2 V/(% s)"}
+    recorded = record_in_process(with_parameters(text, *map("=".join, gains.items())), Path("a.mcap"))
+    pid = ["controller.kind=pid", "controller.gain=1.5 V/%", "controller.integral=0.2 V/(% s)"]
+    other = [*pid, "controller.anti_windup=none", "duration=1.5"]
+    ours = record_in_process(load("step", other), Path("b.mcap"))
+    theirs = [run.columns("state")["position"] for run in (recorded, ours)]
+    assert np.ptp(theirs[0]) > 0.01
+    assert theirs[0] == pytest.approx(theirs[1], abs=1e-9)
+    run = read(Path("a.mcap")).metadata["run"]
+    assert run["law"]["text"] == text + PI
+    assert run["law"]["sha256"] == hashlib.sha256((text + PI).encode()).hexdigest()
+    assert run["scenario"]["controller"]["parameters"] == gains
+
+
+@pytest.mark.parametrize(
+    ("text", "parameters", "complaint"),
+    [
+        (DATACLASS, ["ki=1"], "controller.parameters.kp: pi.py wants it and has no default"),
+        (DATACLASS, ["kp=1", "kj=1"], "controller.parameters.kj: pi.py declares none (valid: kp, ki, deep)"),
+        (DATACLASS, ["kp=true"], "controller.parameters.kp = True: pi.py wants a number"),
+        (DATACLASS, ["kp=1", "deep=2"], "controller.parameters.deep = 2: pi.py wants true or false"),
+        (MODEL, ["kp=-1"], "controller.parameters.kp: input should be greater than 0 (got -1), by pi.py"),
+        (MODEL, ["kp=1", "kj=1"], "controller.parameters.kj: pi.py declares none"),
+        ("Parameters = 3\n", ["kp=1"], "pi.py: Parameters is neither a dataclass nor a pydantic model"),
+    ],
+)
+def test_parameters_that_do_not_fit_are_refused_before_the_run(
+    elsewhere: Path, text: str, parameters: list[str], complaint: str
+):
+    scenario = with_parameters(text, *parameters)
+    with pytest.raises(ScenarioError) as refused:
+        ready_to_run(scenario)
+    assert complaint in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "complaint"), [("kp=3 foo", "unit 'foo' is unknown"), ("kp={a=1}", "a parameter is a number, a text")]
+)
+def test_a_parameter_that_is_none_is_refused_when_it_is_read(elsewhere: Path, parameter: str, complaint: str):
+    with pytest.raises(ScenarioError, match=complaint):
+        with_parameters("", parameter)
+
+
+def test_an_undeclared_parameter_is_named_with_those_that_there_are(elsewhere: Path):
+    scenario = with_parameters("", "kp=1", "word=fast")
+    with pytest.raises(RunError, match=r"pi\.py, line 7: AttributeError: there is no controller\.parameters\.ki"):
+        record_in_process(scenario, Path("a.mcap"))
+
+
+def test_the_page_s_law_runs_with_its_scenario(elsewhere: Path):
+    page = (ROOT / "docs/running.md").read_text(encoding="utf-8").partition("## A law of your own")[2]
+    Path("pi.py").write_text(page.partition("```python\n")[2].partition("```")[0])
+    text = page.partition("    [controller]\n")[2].partition("```python")[0]
+    Path("own.toml").write_text('extends = "step"\nduration = 3.0\n' + textwrap.dedent("    [controller]\n" + text))
+    recorded = record_in_process(load("own.toml"), Path("a.mcap"))
+    assert abs(recorded.metadata["summary"]["metrics"]["steady_error"]) < 1e-3

@@ -102,7 +102,8 @@ def _linear(own: Any) -> LinearLaw:
 
 
 def _deciding(scenario: Scenario, factor: float) -> Decide:
-    law, own = scaled(law_in_loop(scenario.controller).answer, factor), law_gains(scenario)
+    found = law_in_loop(scenario.controller)
+    law, own = scaled(found.answer, factor), found.prepare(law_gains(scenario))
     memory: Any = None
 
     def decide(sample: Sample, target: float) -> float:
