@@ -111,3 +111,12 @@ def test_the_page_s_controllers_settle_without_overshoot(
     assert metrics["settling_time"] < (0.5 if name == "step" else 1.0)
     assert metrics["limit_cycle_amplitude"] < 0.3e-3
     assert math.isfinite(metrics["rise_time"])
+
+
+def test_the_page_s_matrices_are_a_law(tmp_path: Path):
+    text = PAGE.partition("```toml\n")[2].partition("```")[0]
+    (tmp_path / "own.toml").write_text(text)
+    scenario = load(str(tmp_path / "own.toml"))
+    metrics = record_in_process(scenario, tmp_path / "a.mcap").metadata["summary"]["metrics"]
+    assert metrics["settling_time"] < 0.5
+    assert metrics["overshoot"] < 0.05
