@@ -25,12 +25,20 @@ from controller.law import (
 from controller.laws import LAWS
 from controller.pid import PidGains, pid
 from controller.reference import Target
+from controller.state_space import StateSpaceGains, state_space
 
 T = 0.01
 GAINS = Gains(10.0, 0.5, "measured", filter_time=0.04, sample_period=T, limit=1.0, overlap=0.0)
 PID = PidGains(10.0, 3.0, 0.5, 0.2, "measured", 0.04, T, 1.0, 0.0, "back-calculation", 0.5)
 RELAY = RelayGains(0.05, "measured", filter_time=0.04, sample_period=T, limit=1.0)  # switches where GAINS would
-NUMBERS: dict[str, Any] = {"pd": GAINS, "pid": PID, "relay": RELAY, "open-loop": OpenLoopGains(1.0)}
+LEAD = StateSpaceGains(((0.8,),), ((0.2, 0.0),), (8.0,), (25.0, -0.1), ("error", "velocity"), 0.01, 1.0, 0.0)
+NUMBERS: dict[str, Any] = {
+    "pd": GAINS,
+    "pid": PID,
+    "relay": RELAY,
+    "open-loop": OpenLoopGains(1.0),
+    "state-space": LEAD,
+}
 UNIT = st.floats(-1.0, 1.0)
 OVERLAP = st.floats(0.0, 0.9)
 
@@ -158,14 +166,14 @@ def test_every_law_stays_within_its_limit(law: str, x: float, v: float, target: 
     assert abs(LAWS[law].answer(sample(x, v), Target(target, 0.0), None, gains)[0]) <= limit
 
 
-@pytest.mark.parametrize("law", ["pd", "pid", "relay"])
+@pytest.mark.parametrize("law", ["pd", "pid", "relay", "state-space"])
 def test_a_broken_transducer_gives_nan_and_not_a_full_command(law: str):
     assert math.isnan(LAWS[law].answer(sample(math.nan, 0.0), Target(0.15, 0.0), None, NUMBERS[law])[0])
 
 
 def test_names_of_the_laws():
     found = {kind: law.answer for kind, law in LAWS.items()}
-    assert found == {"pd": pd, "pid": pid, "relay": relay, "open-loop": open_loop}
+    assert found == {"pd": pd, "pid": pid, "relay": relay, "open-loop": open_loop, "state-space": state_space}
 
 
 def test_volts_per_percent_of_the_rig():
