@@ -170,6 +170,7 @@ def small_disk(tmp_path) -> Iterator[tuple[Path, int | None]]:
         subprocess.run(["umount", "-l", str(tmp_path)], check=True)
 
 
+@pytest.mark.timed
 def test_a_full_disk_is_told_what_was_written_stays_and_the_loop_goes_on(small_disk):
     folder, limit = small_disk
     path = folder / "a.mcap"
@@ -193,6 +194,7 @@ def test_a_full_disk_is_told_what_was_written_stays_and_the_loop_goes_on(small_d
     assert found.columns("measurement")["stamp"][-1] > 500_000_000
 
 
+@pytest.mark.timed
 def test_the_loop_runs_to_its_end_without_its_recorder_s_disk(tmp_path):
     """The plant's own words: every tick, no overrun by the disk that is full from the start of the second second."""
     endpoint, path = free_endpoint(), tmp_path / "a.mcap"
