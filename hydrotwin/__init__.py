@@ -9,7 +9,7 @@ from bridge.scenario import Scenario, ScenarioError
 from controller.bands import Metrics
 from controller.law import Sample, compensate, saturate
 from controller.reference import Target
-from hydrotwin.runs import Run, load, read, run
+from hydrotwin.runs import Run, linear_model, load, read, run
 from hydrotwin.signal import Signal
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "Target",
     "UsageError",
     "compensate",
+    "linear_model",
     "load",
     "read",
     "run",

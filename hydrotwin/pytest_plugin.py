@@ -1,5 +1,6 @@
 """For pytest: the fixture `rig`, which runs scenarios; the last run of a test that fails is kept when asked for."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
     from hydrotwin.runs import Changes, Law, Run
     from hydrotwin.signal import Signal
 
+UNSAFE = r"[^\w.,=\[\]-]+"  # in the name of a file
 FAILED = pytest.StashKey[bool]()
 
 
@@ -56,5 +58,7 @@ def rig(request: pytest.FixtureRequest) -> Iterator[Rig]:
     yield found
     folder = request.config.getoption("--rig-recordings")
     if folder and found.last is not None and request.node.stash.get(FAILED, False):
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        found.last.save(Path(folder) / f"{request.node.name}.mcap")
+        from bridge.recording.names import own_name
+
+        with own_name(Path(folder) / f"{re.sub(UNSAFE, '_', request.node.name)}.mcap") as path:
+            found.last.save(path)

@@ -3,17 +3,18 @@
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 import bridge.recording.reader as recordings
 from bridge.errors import UsageError, nearest
-from bridge.loop.law import law_object
+from bridge.loop.law import facts_of, law_object
 from bridge.recording.reader import Recording
-from bridge.recording.signals import COMPARED, signals_of
+from bridge.recording.signals import COMPARED, INSTANTS, signals_of
 from bridge.recording.summarise import known_or_made
 from bridge.recording.summary import Summary
 from bridge.recording.verdict import verdict
@@ -22,8 +23,13 @@ from bridge.runs.check import Judgement, judge_run
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import Scenario
 from bridge.scenario import load as load_scenario
+from bridge.scenario.units import quantity
 from controller.bands import Metrics
-from hydrotwin.signal import Signal
+from controller.grid import NS
+from hydrotwin.signal import Quantity, Signal
+
+if TYPE_CHECKING:
+    from bridge.studies.linear_model import LinearModel
 
 Changes = Mapping[str, Any] | Iterable[str]
 Law = Callable[..., Any]  # (sample, target, memory, gains) -> (spool, memory)
@@ -41,14 +47,28 @@ def load(source: str | Path, changes: Changes = ()) -> Scenario:
 def run(scenario: Scenario | str | Path, law: Law | None = None, changes: Changes = ()) -> "Run":
     """Run a scenario in this process, as fast as it goes; the same numbers as in lockstep and in clean real time.
 
-    law: a function in place of the scenario's own law; it is given the scenario's gains. Raises ScenarioError, and
-    RunError with file and line where the law fails.
+    law: a function in place of the scenario's own law; it is given the scenario's gains, and its source goes into the
+    recording. Raises ScenarioError, and RunError with file and line where the law fails.
     """
     if not isinstance(scenario, Scenario):
         scenario = load(scenario, changes)
     elif changes:
         raise UsageError("changes go with the name of a scenario: load(name, changes) makes the changed one")
-    return Run(run_in_memory(scenario, None if law is None else law_object(law)), scenario)
+    if law is None:
+        return Run(run_in_memory(scenario), scenario)
+    return Run(run_in_memory(scenario, law_object(law), facts_of(law)), scenario)
+
+
+def linear_model(scenario: Scenario | str, point: str = "rest", friction: Quantity = 0.0) -> "LinearModel":
+    """The linear model of a rig about a point: "rest", "up", "down", or a spool position such as "0.3".
+
+    friction: viscous, in place of the seal's, a number in N s/m or "20 kN s/m". Raises ScenarioError for a point that
+    the rig does not have.
+    """
+    from bridge.studies.linear_model import linear_model as model_of
+
+    loaded = scenario if isinstance(scenario, Scenario) else load(scenario)
+    return model_of(loaded, point, quantity(friction, "N s/m"))
 
 
 def read(path: str | Path) -> "Run":
@@ -106,20 +126,22 @@ class Run:
             known = [*found, *(entry.partition(".")[2] for entry in found)]
             raise UsageError(f"no signal {name!r}{nearest(name, known)}")
         signal = found[full]
-        return Signal(name, signal.unit, signal.stamp * 1e-9, signal.value)
+        return Signal(name, signal.unit, signal.stamp / NS, signal.value)
 
     def columns(self, topic: str = "state") -> dict[str, NDArray[Any]]:
         """A topic as one array per field, SI, as they were recorded."""
         return self.recording.columns(topic)
 
-    def frame(self, topic: str = "state", library: str = "pandas") -> Any:
+    def frame(self, topic: str = "state", library: Literal["pandas", "polars"] = "pandas") -> Any:
         """A topic as a frame of pandas or polars, by time [s]. Raises UsageError where the library is not installed."""
+        if library not in ("pandas", "polars"):
+            raise UsageError(f"library {library!r}: frames are of 'pandas' or 'polars'")
         try:
-            package = __import__(library)
+            package = import_module(library)
         except ImportError:
             raise UsageError(f"no package {library!r}: pip install {library}, or use columns()") from None
         columns = {name: np.ascontiguousarray(values) for name, values in self.columns(topic).items()}
-        return package.DataFrame({"time": columns["stamp"] * 1e-9} | columns)
+        return package.DataFrame({"time": columns[INSTANTS.get(topic, "stamp")] / NS} | columns)
 
     def save(self, path: str | Path) -> Path:
         """Write the recording, for `hydrotwin view`, `report` and `compare`."""

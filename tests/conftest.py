@@ -8,13 +8,7 @@ import signal
 
 from hypothesis import settings
 
-from tests.support.watchdog import (  # noqa: F401  pytest finds these here
-    pytest_collection_modifyitems,
-    pytest_configure,
-    pytest_timeout_cancel_timer,
-    pytest_timeout_set_timer,
-    pytest_unconfigure,
-)
+pytest_plugins = ("tests.support.watchdog",)
 
 settings.register_profile("long", deadline=None, derandomize=True, database=None, print_blob=True)
 settings.register_profile("short", settings.get_profile("long"), max_examples=40)

@@ -81,7 +81,7 @@ class Loaded:
         self.returns = code.returns
         self._engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine())
         if not all(map(binding.address_of_symbol, code.needed)):  # as far as they are not numba's own
-            importlib.import_module("numba.core.registry").cpu_target.target_context  # noqa: B018
+            self._numba = importlib.import_module("numba.core.registry").cpu_target.target_context  # makes them known
         for part in (code.function, code.caller):
             self._engine.add_object_file(binding.ObjectFileRef.from_data(part))
         self._engine.finalize_object()

@@ -1,6 +1,7 @@
 """The verb linearise."""
 
 import json
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -66,5 +67,5 @@ def _poles(poles: list[complex]) -> list[tuple[str, str, str]]:
         turning = pole.imag > 0.0
         text = f"{pole.real:.4g}" + (f" +- {pole.imag:.4g}j" if turning else "")
         damping = f"{-pole.real / abs(pole):.3g}" if turning else ""
-        rows.append((text, f"{abs(pole) / 6.283185307179586:.4g}" if turning else "", damping))
+        rows.append((text, f"{abs(pole) / math.tau:.4g}" if turning else "", damping))
     return rows

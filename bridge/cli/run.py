@@ -1,9 +1,10 @@
-"""Verbs that run scenarios: run, check, scenarios, schema."""
+"""Verbs that run scenarios: run, check."""
 
 import json
 import time
 from collections.abc import Iterator
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -122,8 +123,11 @@ def check(
         raise UsageError("\n".join(wrong))
     from bridge.runs.check import junit_xml
 
-    folder = output or default_folder()
+    folder = output or _own_folder()
     results = list(_checked(asked, mode, folder))
+    if output is None:
+        with suppress(OSError):
+            folder.rmdir()  # where nothing was recorded
     written = write_text(junit, junit_xml(results))
     refused = [fault for result in results if result.refused for fault in result.faults]
     if len(refused) == len(results):
@@ -138,14 +142,25 @@ def check(
         from bridge.cli.printing import print_checks
 
         print_checks(results)
-        print(f"recordings in {folder}")
+        if recordings:
+            print(f"recordings in {folder}")
     well = written and all(result.passed for result in results)
     raise typer.Exit(2 if refused else 0 if well else 1)
 
 
-def default_folder() -> Path:
-    """runs/check-TIME"""
-    return Path("runs") / f"check-{time.strftime('%Y%m%d-%H%M%S')}"
+def _own_folder() -> Path:
+    """runs/check-TIME, with -2, -3 and so on where another call has that; what cannot be made is told by the run."""
+    wanted = Path("runs") / f"check-{time.strftime('%Y%m%d-%H%M%S')}"
+    for number in count(1):
+        folder = wanted if number == 1 else wanted.with_name(f"{wanted.name}-{number}")
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        except OSError:
+            return folder
+        return folder
+    raise AssertionError("unreachable")
 
 
 def _loaded(name: str, changes: list[str] | None) -> "Scenario | UsageError":

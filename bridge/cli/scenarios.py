@@ -1,6 +1,6 @@
 """Verbs about scenarios: scenarios, schema, describe, convergence."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bridge.cli.options import (
     AS_JSON,
@@ -9,6 +9,9 @@ from bridge.cli.options import (
 )
 from bridge.cli.outputs import print_json
 from twin.topology import PIPES
+
+if TYPE_CHECKING:
+    from bridge.scenario import Scenario
 
 
 def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
@@ -20,10 +23,12 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
     from bridge.scenario.describe import PICTURE, facts, step_rows, values_of, warnings
 
     values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
+    parameters = _parameters(loaded)
     if as_json:
         keys = ("part", "what", "time", "longest step")
         limits = [dict(zip(keys, row, strict=True)) for row in steps]
-        print_json({"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits})
+        plain = {"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits}
+        print_json(plain | ({"parameters": parameters} if parameters else {}))
         return
     print(PICTURE)
     print_table(("value", "", "", "source"), [(v.name, v.value, "*" if v.changed else "", v.source) for v in values])
@@ -31,8 +36,21 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
     print_table(("what follows", ""), found)
     print()
     print_table(("part", "what is fast in it", "its time", "longest step that follows"), steps)
+    if parameters:
+        print()
+        print_table(("parameter of the law, SI", ""), [(name, str(value)) for name, value in parameters.items()])
     for line in warnings(loaded):
         print(f"warning: {line}")
+
+
+def _parameters(scenario: "Scenario") -> dict[str, Any]:
+    """Those of a law of the user's, with what its module fills in; of others there are none."""
+    if scenario.controller.kind != "python":
+        return {}
+    from bridge.loop.controller import ControllerSide
+    from bridge.loop.parameters import plain
+
+    return plain(ControllerSide(scenario, 0).gains.parameters)
 
 
 def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:

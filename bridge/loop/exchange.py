@@ -6,7 +6,8 @@ from bridge.loop.controller import ControllerSide
 from bridge.loop.identity import derived
 from bridge.loop.plant import PlantSide
 from bridge.scenario import Scenario
-from bridge.wire.messages import Ending, Outgoing, last_words
+from bridge.wire.events import last_words
+from bridge.wire.messages import Ending, Outgoing
 
 
 def exchange(

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 from bridge.loop.safety import Gaps, Gate, Watchdog
 from bridge.scenario import Scenario
-from bridge.wire.messages import EventKind, Reason, absence, refusal
+from bridge.wire.events import absence, refusal
+from bridge.wire.messages import EventKind, Reason
 from controller.grid import NS, next_sample, to_ns
 from controller.hold import Hold, Segment
 

@@ -6,6 +6,7 @@ take the place of a package that is installed.
 
 import importlib
 import importlib.util
+import inspect
 import re
 import sys
 import traceback
@@ -17,7 +18,7 @@ from typing import Any
 from bridge.errors import RunError, ScenarioError
 from bridge.loop.parameters import filled
 from bridge.scenario.controllers import Controller, Python
-from bridge.scenario.law_file import law_file
+from bridge.scenario.law_file import kept_of, law_file
 from controller.law import Law, Sample
 from controller.laws import LAWS, ControlLaw, Hook, forget
 from controller.linear_system import system_law
@@ -69,8 +70,21 @@ def law_object(law: Any) -> ControlLaw:
     """A law that is a function in memory, and no file names. Raises ScenarioError for what is not a function."""
     if not callable(law):
         raise ScenarioError(f"{law!r:.80} is not a law: give a function (sample, target, memory, gains)")
-    name, code = getattr(law, "__qualname__", type(law).__qualname__), getattr(law, "__code__", None)
-    return ControlLaw(_checked(law, name, Path(code.co_filename if code else name)))
+    code = getattr(law, "__code__", None)
+    return ControlLaw(_checked(law, _name(law), Path(code.co_filename if code else _name(law))))
+
+
+def facts_of(law: Any) -> dict[str, Any]:
+    """What a recording keeps of a law that is a function in memory: name and source, as far as Python knows it."""
+    try:
+        text = inspect.getsource(law)
+    except (OSError, TypeError):
+        text = ""
+    return kept_of(_name(law), text.encode())
+
+
+def _name(law: Any) -> str:
+    return getattr(law, "__qualname__", type(law).__qualname__)
 
 
 def explained(error: BaseException, file: Path | None) -> str:

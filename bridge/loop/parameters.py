@@ -33,6 +33,15 @@ def filled(given: dict[str, Any], declared: Any, where: str) -> Any:
     raise ScenarioError(f"{where}: Parameters is neither a dataclass nor a pydantic model")
 
 
+def plain(parameters: Any) -> dict[str, Any]:
+    """Parameters by name, those that the law's module has filled in as well."""
+    if hasattr(parameters, "model_dump"):
+        return parameters.model_dump()
+    if dataclasses.is_dataclass(parameters) and not isinstance(parameters, type):
+        return dataclasses.asdict(parameters)
+    return dict(vars(parameters))
+
+
 def _dataclass(given: dict[str, Any], declared: type[Any], where: str) -> Any:
     fields = {field.name: field for field in dataclasses.fields(declared) if field.init}
     wrong = [f"{PLACE}.{name}: {where} declares none{nearest(name, fields)}" for name in given if name not in fields]

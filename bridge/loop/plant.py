@@ -14,7 +14,8 @@ from bridge.loop.line_profiles import LineProfiles
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
-from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap, silence
+from bridge.wire.events import silence
+from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap
 from bridge.wire.status import PlantStatus, Reading
 from controller.grid import NS, last_due, next_sample
 from twin.circuit.block import block_of, compiled

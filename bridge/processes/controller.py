@@ -15,8 +15,9 @@ from bridge.scenario import Scenario
 from bridge.scenario.sameness import DIGEST, difference, digest_of
 from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
+from bridge.wire.events import reason_of
 from bridge.wire.link import Link
-from bridge.wire.messages import GOING, EventKind, Mode, Phase, Reason, reason_of
+from bridge.wire.messages import GOING, EventKind, Mode, Phase, Reason
 from bridge.wire.status import PUBLISHED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 

@@ -20,8 +20,9 @@ from bridge.scenario.law_file import law_facts
 from bridge.scenario.sameness import DIGEST, digest_of
 from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, decode, ready
+from bridge.wire.events import last_words, reason_of
 from bridge.wire.link import Link
-from bridge.wire.messages import Ending, EventKind, Mode, Outgoing, Phase, last_words, reason_of
+from bridge.wire.messages import Ending, EventKind, Mode, Outgoing, Phase
 from bridge.wire.status import Pace, PlantReport, PlantStatus, numbers_of
 from controller.grid import NS, is_sample
 

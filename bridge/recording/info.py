@@ -97,11 +97,10 @@ def describe(recording: Recording) -> RecordingInfo:
 
 
 def _law(run: dict[str, Any]) -> dict[str, Any]:
-    """Of a law of the user's: name, short hash and parameters."""
-    if "law" not in run:
-        return {}
-    parameters = run.get("scenario", {}).get("controller", {}).get("parameters", {})
-    return {"law": f"{run['law']['name']}, sha256 {run['law']['sha256'][:12]}", "parameters": parameters}
+    """Of a law of the user's: name, short hash and parameters, as far as it has them."""
+    law, parameters = run.get("law"), run.get("scenario", {}).get("controller", {}).get("parameters")
+    named = {"law": f"{law['name']}, sha256 {law['sha256'][:12]}"} if law else {}
+    return named | ({"parameters": parameters} if parameters else {})
 
 
 def problems(recording: Recording) -> list[str]:

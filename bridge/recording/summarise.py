@@ -19,7 +19,8 @@ from bridge.recording.summary import (
     summary_of,
 )
 from bridge.scenario import Scenario
-from bridge.wire.messages import Ending, EventKind, reason_of
+from bridge.wire.events import reason_of
+from bridge.wire.messages import Ending, EventKind
 from bridge.wire.status import PlantStatus, plant_status
 from controller.bands import Metrics
 from controller.grid import NS, number_due

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 from bridge.recording.summary import CommandSummary, Summary
 from bridge.scenario import Scenario
-from bridge.wire.messages import Ending, EventKind, Reason, ending_of
+from bridge.wire.events import ending_of
+from bridge.wire.messages import Ending, EventKind, Reason
 
 ENDED_EARLY = "the run ended early"
 

@@ -51,7 +51,11 @@ def entries_of(messages: Iterable[Outgoing]) -> list[Entry]:
 
 
 def save(recording: Recording, path: Path, rig_name: str) -> Path:
-    """Write a recording that is in memory. Raises UsageError where that cannot be."""
+    """Write a recording that is in memory. Raises UsageError where that cannot be, and for topics of others."""
+    if foreign := sorted({entry.topic for entry in recording.entries} - set(TOPICS)):
+        raise UsageError(
+            f"{recording.path} holds topics that are not ours ({', '.join(foreign)}): copy the file itself"
+        )
     writer = new_recording(path, rig_name)
     try:
         for name, values in recording.metadata.items():

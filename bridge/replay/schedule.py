@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
-from bridge.wire.messages import EventKind, missed_by, silent_since
+from bridge.wire.events import missed_by, silent_since
+from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
 
 

@@ -17,8 +17,9 @@ from bridge.runs.run import run_scenario
 from bridge.scenario import Scenario
 from bridge.scenario.bands import UNDEFINED, cycle_words, outside, parse_band, signal_with_unit, value_with_unit
 from bridge.scenario.circuit import circuit_of
-from bridge.scenario.model import Expected
-from bridge.wire.messages import Ending, Mode, ending_of
+from bridge.scenario.requirements import Expected
+from bridge.wire.events import ending_of
+from bridge.wire.messages import Ending, Mode
 from controller.bands import END, START, WHOLE, Band, Metrics, WindowBand, judge
 from controller.grid import NS
 from controller.metrics import Signals, measure

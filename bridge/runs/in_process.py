@@ -1,8 +1,9 @@
 """The loop in one process: no middleware, no clock; the same plant and controller sides, the same bytes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from bridge.errors import RunError, reason
 from bridge.loop.exchange import exchange, sides
@@ -12,7 +13,8 @@ from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.summarise import summarise
 from bridge.recording.writer import RecordingWriter, entries_of
 from bridge.scenario import Scenario
-from bridge.wire.messages import Ending, Outgoing, last_words
+from bridge.wire.events import last_words
+from bridge.wire.messages import Ending, Outgoing
 from controller.grid import NS
 from controller.laws import ControlLaw
 
@@ -53,12 +55,15 @@ def record_in_process(
     return recording(path, entries, {"run": head, "summary": summary})
 
 
-def run_in_memory(scenario: Scenario, law: ControlLaw | None = None) -> Recording:
-    """Run a scenario without a file, with a law in place of its own if there is one. Raises RunError."""
+def run_in_memory(scenario: Scenario, law: ControlLaw | None = None, facts: Mapping[str, Any] = {}) -> Recording:
+    """Run a scenario without a file, with a law in place of its own if there is one. Raises RunError.
+
+    facts: of that law, for the head of the recording.
+    """
     plant, controller = sides(scenario)
     if law is not None:
         controller.law = law
-    head = manifest(scenario, plant.run_id)
+    head = {**manifest(scenario, plant.run_id), **facts}
     entries = [e for messages in exchange(plant, controller, scenario.ticks) for e in entries_of(messages)]
     summary = summarise(recording(MEMORY, entries, {}), scenario, {}, plant.status()).plain()
     return recording(MEMORY, entries, {"run": head, "summary": summary})

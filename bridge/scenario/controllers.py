@@ -244,6 +244,8 @@ def _parameters(values: dict[str, Any]) -> dict[str, Any]:
         if not all(isinstance(entry, bool | int | float | str) for entry in entries):
             raise ValueError(f"{name} = {value!r}: a parameter is a number, a text, true or false, or a list of these")
         for entry in entries:
+            if entry != entry:
+                raise ValueError(f"{name} is not a number; give one, or leave the parameter out")
             if isinstance(entry, str) and not _is_gain(entry):
                 si(entry)
     return values

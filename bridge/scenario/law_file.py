@@ -24,9 +24,13 @@ def law_facts(controller: Any) -> dict[str, Any]:
     file = law_file(name, Path.cwd()) if name else None
     if name is None or file is None:
         return {}
-    content = file.read_bytes()
-    text, digest = content.decode("utf-8", "replace"), hashlib.sha256(content).hexdigest()
-    return {"law": {"name": f"{file.name}:{name.rpartition(':')[2]}", "sha256": digest, "text": text}}
+    return kept_of(f"{file.name}:{name.rpartition(':')[2]}", file.read_bytes())
+
+
+def kept_of(name: str, text: bytes) -> dict[str, Any]:
+    """A law as the head of a recording has it."""
+    digest = hashlib.sha256(text).hexdigest()
+    return {"law": {"name": name, "sha256": digest, "text": text.decode("utf-8", "replace")}}
 
 
 def with_kind(controller: dict[str, Any]) -> dict[str, Any]:

@@ -44,6 +44,8 @@ UNITS["1/s"] = UNITS["Hz"]
 _NUMBER = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?|inf(?:inity)?))\s*(.*?)\s*", re.IGNORECASE
 )
+_LETTERED = re.compile(r"\s*[^\W\d]")  # "info" begins as infinity does
+_INFINITE = re.compile(r"\s*inf(inity)?\s*", re.IGNORECASE)
 
 
 SHOWN = {  # SI: what people read
@@ -100,7 +102,9 @@ def quantity(value: object, unit: str) -> float:
 
 
 def si(text: str) -> float | str:
-    """A text with any unit we know, in SI; a text that does not begin with a number is a word. Raises ValueError."""
+    """A text with any unit we know, in SI; one that does not begin with a number is a word. Raises ValueError."""
+    if _LETTERED.match(text) and not _INFINITE.fullmatch(text):
+        return text
     try:
         number, written = split(text)
     except ValueError:

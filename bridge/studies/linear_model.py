@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 POINTS = ("rest", "up", "down")
+ROUNDING = 1e-9  # of a period: a delay as near to whole ones is whole
 UNITS = dict(
     zip(STATES, (*["Pa"] * FLOW, *["m^3/s"] * (X - FLOW), "m", "m/s", "of travel", "of travel/s"), strict=True)
 ) | {"spool_reference": "of travel", "force": "N"}
@@ -52,8 +53,8 @@ class LinearModel(NamedTuple):
             "at": self.at,
             "inputs": {name: UNITS[name] for name in INPUTS},
             "outputs": {name: UNITS[state] for name, state in TAPS.items()},
-            "continuous": _matrices(self.continuous, UNITS),
-            "sampled": {"dt": self.sampled.dt, "delay": self.delay, **_matrices(self.sampled, UNITS)},
+            "continuous": _matrices(self.continuous),
+            "sampled": {"dt": self.sampled.dt, "delay": self.delay, **_matrices(self.sampled)},
         }
 
 
@@ -100,8 +101,9 @@ def sampled_model(system: "StateSpace", period: float, delay: float) -> "StateSp
     import control
 
     a, b, c = (np.asarray(matrix, float) for matrix in (system.A, system.B, system.C))
-    whole = math.floor(delay / period + 1e-9)
-    rest = max(0.0, delay - whole * period)
+    whole = math.floor(delay / period + ROUNDING)
+    rest = delay - whole * period
+    rest = rest if rest > ROUNDING * period else 0.0
     plant = [Plant(a, column, c[0], None) for column in b.T]
     phi, force = zero_order_hold(plant[1], period)
     later, newest = zero_order_hold(plant[0], period - rest)
@@ -125,6 +127,7 @@ def sampled_model(system: "StateSpace", period: float, delay: float) -> "StateSp
     return control.StateSpace(sampled, entries, outputs, direct, period, states=names, inputs=INPUTS, outputs=[*TAPS])
 
 
-def _matrices(system: "StateSpace", units: dict[str, str]) -> dict[str, Any]:
-    states = {name: units.get(name, units["spool_reference"]) for name in system.state_labels}
+def _matrices(system: "StateSpace") -> dict[str, Any]:
+    """With the units of the states: those that the rig does not have are commands on their way."""
+    states = {name: UNITS.get(name, UNITS["spool_reference"]) for name in system.state_labels}
     return {"states": states} | {name: np.asarray(getattr(system, name)).tolist() for name in "ABCD"}

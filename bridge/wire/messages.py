@@ -83,47 +83,6 @@ class Ending(StrEnum):
     CUT_OFF = "cut off"  # the recording does not say
 
 
-def refusal(reason: Reason, text: str) -> str:
-    """The text of a `refused` event."""
-    return f"{reason}: {text}"
-
-
-def reason_of(event: Any) -> str:
-    """The reason in a `refused` event."""
-    return event.text.partition(":")[0]
-
-
-def absence(first: int, last: int) -> str:
-    """The text of a `missed` event, by the first and the last sequence."""
-    return f"commands {first} to {last} were not taken"
-
-
-def missed_by(event: Any) -> range:
-    """The sequences in a `missed` event of a source."""
-    words = event.text.split()
-    return range(int(words[1]), int(words[3]) + 1)
-
-
-def silence(since: int) -> str:
-    """The text of the `missed` event at the end of a run, which has no source, by an instant [ns]."""
-    return f"no command was taken for samples from {since} ns on"
-
-
-def silent_since(event: Any) -> int:
-    """The instant in a `missed` event without a source [ns]."""
-    return int(event.text.split()[-3])
-
-
-def last_words(ending: Ending, ticks: int, reason: str = "") -> str:
-    """The text of an `ended` event."""
-    return f"{ending}{f': {reason}' if reason else ''} after {ticks} ticks"
-
-
-def ending_of(text: str) -> Ending:
-    """How a run ended, by the text of its `ended` event or of its summary."""
-    return next((ending for ending in Ending if text.startswith(ending)), Ending.CUT_OFF)
-
-
 LOOP_MESSAGES: dict[str, str] = {
     "Measurement": """\
 # One scan of the data acquisition: what the card read.

@@ -5,12 +5,14 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import hydrotwin as ht
 from bridge.recording.digest import digest
+from bridge.recording.reader import Entry
 from bridge.runs.in_process import record_in_process
 from hydrotwin.signal import Signal
 from tests.support.processes import ENVIRONMENT, ROOT
@@ -73,8 +75,38 @@ def test_an_unknown_signal_is_refused_with_the_nearest():
     with pytest.raises(ht.UsageError, match="did you mean 'p_lower'"):
         run.signal("p_lowre")
     assert run.signal("p2").name == "p2"
-    with pytest.raises(ht.UsageError, match="pip install nothing_of_the_kind"):
-        run.frame(library="nothing_of_the_kind")
+
+
+def test_a_frame_has_a_column_of_times_for_every_topic(monkeypatch: pytest.MonkeyPatch):
+    """pandas is not needed for the tests: what it would be given is looked at."""
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
+    run = ht.run("step", changes={"duration": 0.05})
+    for topic in ("state", "measurement", "command"):
+        time = run.frame(topic)["time"]
+        assert len(time) == len(run.columns(topic)["sequence"])
+        assert 0.0 <= time[0] < time[-1] <= 0.05
+    with pytest.raises(ht.UsageError, match="frames are of 'pandas' or 'polars'"):
+        run.frame(library="numpy")  # pyright: ignore[reportArgumentType]
+    monkeypatch.setitem(sys.modules, "polars", None)
+    with pytest.raises(ht.UsageError, match="pip install polars"):
+        run.frame(library="polars")
+
+
+def test_the_recording_names_a_law_that_no_file_holds(tmp_path: Path):
+    def push(sample, target, memory, gains):
+        return 0.3, memory
+
+    saved = ht.run("step", push, changes={"duration": 0.05}).save(tmp_path / "a.mcap")
+    law = ht.read(saved).recording.metadata["run"]["law"]
+    assert law["name"].endswith("push")
+    assert "return 0.3, memory" in law["text"]
+
+
+def test_topics_of_others_are_not_written_again(tmp_path: Path):
+    run = ht.run("step", changes={"duration": 0.02})
+    run.recording.entries.append(Entry("camera", 0, 0, b""))
+    with pytest.raises(ht.UsageError, match="topics that are not ours \\(camera\\): copy the file"):
+        run.save(tmp_path / "a.mcap")
 
 
 def test_what_a_signal_does_is_told_with_value_and_time(ramp: Signal):
@@ -106,12 +138,14 @@ def test_a_hole_in_a_signal_is_not_within_any_limit(ramp: Signal):
 def test_the_fixture_runs_a_law_and_keeps_what_has_failed(tmp_path: Path):
     (tmp_path / "my_laws.py").write_text(BLOCKS[0].split("run = ")[0])
     tests = BLOCKS[2] + "\n\ndef test_that_fails(rig):\n    rig.signal('p2').stays(below='1 bar')\n"
+    tests += "import pytest\n@pytest.mark.parametrize('p', ['a/b'])\ndef test_with(rig, p):\n    assert not rig.run()\n"
     (tmp_path / "test_laws.py").write_text(tests)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "hydrotwin.pytest_plugin", "-p", "no:cacheprovider"]
     done = subprocess.run(
         [*command, "--rig-recordings", "failed"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True
     )
-    assert "1 failed, 1 passed" in done.stdout
+    assert "2 failed, 1 passed" in done.stdout
     assert "p2 does not stay below 1 bar: it is" in done.stdout
-    assert [path.name for path in (tmp_path / "failed").iterdir()] == ["test_that_fails.mcap"]
+    kept = sorted(path.name for path in (tmp_path / "failed").iterdir())
+    assert kept == ["test_that_fails.mcap", "test_with[a_b].mcap"]
     assert ht.read(tmp_path / "failed" / "test_that_fails.mcap").summary.ending.startswith("complete")

@@ -1,6 +1,7 @@
 """A user's law in a file of its own: found beside its scenario, hidden by nobody, its mistakes named by their line."""
 
 import hashlib
+import math
 import sys
 import textwrap
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ from bridge.scenario import Scenario, load
 from bridge.scenario.controllers import Python
 from controller.law import Gains, Sample
 from controller.reference import Target
+from tests.support.command import hydrotwin_here
 from tests.support.processes import ROOT, UNDRAWN, hydrotwin
 
 ANSWER = "def law(sample, target, memory, gains):\n    return 0.25, memory\n"
@@ -224,11 +226,29 @@ def test_parameters_that_do_not_fit_are_refused_before_the_run(
 
 
 @pytest.mark.parametrize(
-    ("parameter", "complaint"), [("kp=3 foo", "unit 'foo' is unknown"), ("kp={a=1}", "a parameter is a number, a text")]
+    ("parameter", "complaint"),
+    [
+        ("kp=3 foo", "unit 'foo' is unknown"),
+        ("kp={a=1}", "a parameter is a number, a text"),
+        ("kp=nan", "kp is not a number"),
+    ],
 )
 def test_a_parameter_that_is_none_is_refused_when_it_is_read(elsewhere: Path, parameter: str, complaint: str):
     with pytest.raises(ScenarioError, match=complaint):
         with_parameters("", parameter)
+
+
+def test_a_word_that_begins_as_infinity_does_is_a_word(elsewhere: Path):
+    controller = with_parameters("", "word=info", "other=inf").controller
+    assert isinstance(controller, Python)
+    assert controller.parameters == {"word": "info", "other": math.inf}
+
+
+def test_describe_shows_what_a_law_gets(elsewhere: Path):
+    with_parameters("", "kp=3 V/%", "word=fast")
+    changes = [f"--set={change}" for change in ("controller.kind=python", "controller.law=pi.py:law")]
+    done = hydrotwin_here("describe", "step", *changes, "--set=controller.parameters.kp=2500", cwd=Path.cwd())
+    assert "2500" in done.stdout, done
 
 
 def test_an_undeclared_parameter_is_named_with_those_that_there_are(elsewhere: Path):
