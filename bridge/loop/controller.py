@@ -50,9 +50,13 @@ class ControllerSide:
 
     def decide(self, sample: Sample) -> tuple[float, Target]:
         """The spool reference for the next sample, and the target it is after."""
-        target = evaluate(self.reference, sample.stamp_ns / NS)
+        target = self.target(sample.stamp_ns)
         spool, self._memory = self.law.answer(sample, target, self._memory, self.gains)
         return float(spool), target
+
+    def target(self, stamp: int) -> Target:
+        """What the law is after at a stamp [ns]."""
+        return evaluate(self.reference, stamp / NS)
 
 
 def sample_of(stamp: int, readings: Mapping[str, Any]) -> Sample:

@@ -20,23 +20,25 @@ def exchange(
     """The messages of each tick, the controller's answers included; `lean`: measurements and answers alone."""
     out = plant.start()
     while plant.tick_number < ticks and not stopped():
-        answers = _answers(plant, controller)
-        for event in out:
-            if event.topic == "event":
-                controller.heed(event.message)
-        yield out + answers
+        yield out + answered(plant, controller, out)
         out = plant.tick(lean)
     ticks_run = plant.tick_number
     ending = Ending.COMPLETE if ticks_run == ticks else Ending.INTERRUPTED
-    yield out + _answers(plant, controller) + plant.finish(last_words(ending, ticks_run))
+    yield out + answered(plant, controller, out) + plant.finish(last_words(ending, ticks_run))
 
 
-def _answers(plant: PlantSide, controller: ControllerSide) -> list[Outgoing]:
-    """What the controller says to the newest measurement; its command is with the plant then."""
+def answered(plant: PlantSide, controller: ControllerSide, out: list[Outgoing]) -> list[Outgoing]:
+    """What the controller says to the newest measurement; its command is with the plant then.
+
+    out: the plant's messages of this tick, whose events the controller heeds for its next answer.
+    """
     answers = controller.answer(plant.measurement)
     for answer in answers:
         if answer.topic == "command":
             plant.take(answer.message)
+    for event in out:
+        if event.topic == "event":
+            controller.heed(event.message)
     return answers
 
 

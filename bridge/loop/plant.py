@@ -7,6 +7,7 @@ plant process run this same code.
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridge.loop.acquisition import Acquisition
 from bridge.loop.inlet import SAFE, Inlet, Note
@@ -49,6 +50,11 @@ class PlantSide:
     def now(self) -> int:
         """Simulated time reached [ns]."""
         return self.tick_number * self.grid.daq
+
+    @property
+    def observed(self) -> NDArray[np.float64]:
+        """The true quantities now, in the order of OBSERVED; valid until the next tick."""
+        return self._observed
 
     def start(self) -> list[Outgoing]:
         """The messages of tick 0: the rig at rest."""

@@ -4,8 +4,9 @@ What has been made is kept beside the compiled code, so that a second start need
 lines.
 """
 
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -28,6 +29,7 @@ REMEMBERED = 8  # in a process: a sweep over a number of the rig needs each circ
 KEPT = 400  # files, of some 20 kB; the oldest go
 Plain = tuple[tuple[str, tuple[tuple[str, Any], ...]], ...]  # the rig's values, part by part
 T = TypeVar("T")
+_lasting: ContextVar[bool] = ContextVar("lasting", default=True)
 
 
 def circuit_of(scenario: Scenario) -> Circuit:
@@ -72,6 +74,16 @@ def _rest(values: Plain, step: float, position: float, p_upper: float) -> NDArra
     return _kept("rest", (values, step, position, p_upper), make)
 
 
+@contextmanager
+def in_memory() -> Iterator[None]:
+    """Keep nothing on disk of what is made inside: rigs that are used once would push out those that come again."""
+    token = _lasting.set(False)
+    try:
+        yield
+    finally:
+        _lasting.reset(token)
+
+
 def forget() -> None:
     """Drop what this process remembers; what is kept on disk stays."""
     _circuit.cache_clear()
@@ -80,7 +92,7 @@ def forget() -> None:
 
 def _kept(name: str, key: object, make: Callable[[], T]) -> T:
     """What was made for a key before on this kind of processor, or is made now."""
-    if FOLDER is None:
+    if FOLDER is None or not _lasting.get():
         return make()
     files = Files(FOLDER / "circuits", name, (get_host_cpu_name(), version("scipy")))
     found = files.load(key)

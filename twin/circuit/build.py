@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 from twin.amplifier import Amplifiers, Direct, lag
@@ -10,7 +11,7 @@ from twin.circuit.step import Circuit, Fitted, Parts
 from twin.contact import Stops
 from twin.cylinder import Cylinder
 from twin.fitting import Fitting
-from twin.lines.bank import LineSpec, bank_of
+from twin.lines.bank import Bank, LineSpec, bank_of
 from twin.load import Load, buffer_stiffness
 from twin.minor_losses import Losses, MinorLosses, NoLosses, loss_per_flow_squared
 from twin.oil import Oil, effective_modulus, fluid_modulus, kinematic_viscosity
@@ -26,6 +27,7 @@ from twin.topology import PIPES
 
 Entries = Mapping[str, Any]
 BOTTOMLESS = -1e12  # [Pa], vapour pressure of oil that bears any tension
+REMEMBERED = 8  # fits, in a process: rigs that differ in other numbers have these in common
 
 
 def build(rig: Values, step: float) -> Circuit:
@@ -48,7 +50,7 @@ def build(rig: Values, step: float) -> Circuit:
         amplifiers=_amplifiers(rig["amplifier"], step),
         line_volume=sum(math.pi / 4.0 * pipe["diameter"] ** 2 * pipe["length"] for pipe in pipes),
     )
-    lines = bank_of([_line(pipe, oil) for pipe in pipes], step, oil.vapour_pressure)
+    lines = _lines(tuple(_line(pipe, oil) for pipe in pipes), step, oil.vapour_pressure)
     circuit = Circuit(parts, lines)
     refuse_coarse_step(circuit)
     return circuit
@@ -86,7 +88,12 @@ def _relief(valve: Entries, oil: Oil) -> Relief:
     unset = relief(relief_sizes(valve, 0.0), oil)
     if valve["kind"] == "none":
         return unset
-    return relief(relief_sizes(valve, precompression_for(valve["setting"], valve["setting_flow"], unset)), oil)
+    return relief(relief_sizes(valve, _precompression(valve["setting"], valve["setting_flow"], unset)), oil)
+
+
+@lru_cache(REMEMBERED)
+def _precompression(setting: float, flow: float, unset: Relief) -> float:
+    return precompression_for(setting, flow, unset)
 
 
 def relief_sizes(valve: Entries, precompression: float) -> dict[str, Any]:
@@ -160,6 +167,11 @@ def _amplifiers(amplifier: Entries, step: float) -> Amplifiers | Direct:
 def _load(load: Entries) -> Load:
     stiffness = buffer_stiffness(load["added"], load["contact_time"])
     return Load(load["mass"], load["gravity"], load["force"], load["added"], load["added_at"], stiffness)
+
+
+@lru_cache(REMEMBERED)
+def _lines(specs: tuple[LineSpec, ...], step: float, vapour_pressure: float) -> Bank:
+    return bank_of(specs, step, vapour_pressure)
 
 
 def _line(pipe: Entries, oil: Oil) -> LineSpec:
