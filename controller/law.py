@@ -46,6 +46,15 @@ class UserGains(NamedTuple):
     parameters: Any  # by name, SI: as its module declares them, else what the scenario has under controller.parameters
 
 
+class CGains(NamedTuple):
+    """What a law in C is given."""
+
+    sample_period: float  # T [s], > 0
+    limit: float  # of the spool reference, 0..1
+    overlap: float  # of the valve lands to jump over, 0..1 of travel; 0.0: no dead-band compensation
+    parameters: dict[str, float]  # by name, SI
+
+
 class RelayGains(NamedTuple):
     """Of `relay`."""
 

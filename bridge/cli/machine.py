@@ -1,15 +1,22 @@
 """Verbs about the machine and the wire: messages, doctor."""
 
+from importlib import resources
 from itertools import groupby
+from typing import Annotated
 
 import typer
 
 from bridge.cli.options import AS_JSON
 from bridge.cli.outputs import print_json
 
+C = Annotated[bool, typer.Option("--c", help="Print hydrotwin_law.h, the header of a law in C, and nothing else.")]
 
-def messages(as_json: AS_JSON = False) -> None:
+
+def messages(header: C = False, as_json: AS_JSON = False) -> None:
     """Print every key, type, rate, `.msg` text and `struct` format, and how to write a controller with them."""
+    if header:
+        print((resources.files("bridge.loop") / "hydrotwin_law.h").read_text(encoding="utf-8"), end="")
+        return
     from bridge.cli.tables import print_table
     from bridge.wire.guide import GUIDE
     from bridge.wire.messages import TOPICS, definition, described, field_names, struct_format

@@ -45,7 +45,7 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
 
 def _parameters(scenario: "Scenario") -> dict[str, Any]:
     """Those of a law of the user's, with what its module fills in; of others there are none."""
-    if scenario.controller.kind != "python":
+    if not hasattr(scenario.controller, "parameters"):
         return {}
     from bridge.loop.controller import ControllerSide
     from bridge.loop.parameters import plain

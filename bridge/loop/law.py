@@ -17,7 +17,7 @@ from typing import Any
 
 from bridge.errors import RunError, ScenarioError
 from bridge.loop.parameters import filled
-from bridge.scenario.controllers import Controller, Python
+from bridge.scenario.controllers import Controller, InC, Python
 from bridge.scenario.law_file import kept_of, law_file
 from controller.law import Law, Sample
 from controller.laws import LAWS, ControlLaw, Hook, forget
@@ -31,6 +31,10 @@ HOOKS = ("on_safe_state", "on_resume")  # functions beside a user's law that are
 
 def law_of(controller: Controller) -> ControlLaw:
     """The law of a scenario's controller. Raises ScenarioError when there is none."""
+    if isinstance(controller, InC):
+        from bridge.loop.c_law import c_law
+
+        return c_law(controller)
     return find_law(controller.law) if isinstance(controller, Python) else LAWS[controller.kind]
 
 

@@ -35,6 +35,8 @@ def filled(given: dict[str, Any], declared: Any, where: str) -> Any:
 
 def plain(parameters: Any) -> dict[str, Any]:
     """Parameters by name, those that the law's module has filled in as well."""
+    if isinstance(parameters, dict):
+        return parameters
     if hasattr(parameters, "model_dump"):
         return parameters.model_dump()
     if dataclasses.is_dataclass(parameters) and not isinstance(parameters, type):

@@ -26,7 +26,7 @@ def _control(scenario: dict[str, Any]) -> str:
     if not loop:
         return ""
     delay = f"{loop['delay'] * 1e3:g} ms later" if loop["delay"] else "without delay"
-    law = controller.get("law") or controller.get("kind")
+    law = next((controller[key] for key in ("law", "source", "library", "kind") if controller.get(key)), None)
     return f"under the law {law}, sampled every {loop['sample_period'] * 1e3:g} ms and acting {delay}"
 
 

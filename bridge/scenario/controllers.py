@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from bridge.errors import MisplacedError, nearest
 from bridge.scenario.fields import DerivativeGain, Fraction, IntegralGain, Part, ProportionalGain, Seconds, by_kind
-from bridge.scenario.law_file import with_kind
+from bridge.scenario.law_file import c_file, with_kind
 from bridge.scenario.state_space import READS, SAME, Matrix, Signal, refuse_matrices
 from bridge.scenario.units import si, split
 from controller import law as laws
@@ -62,6 +62,19 @@ class Base(Part):
         """Raises ValueError for a sample period [s] that the controller cannot have."""
 
 
+class WithOverlap(Base):
+    """A controller that can jump over the dead band of the valve's lands."""
+
+    compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
+    overlap_share: Fraction = Field(
+        default=1.0, gt=0.0, le=1.0, description="of the overlap that is jumped; below 1 a dead band is left"
+    )
+
+    @property
+    def jumped_share(self) -> float:
+        return self.overlap_share if self.compensate_overlap else 0.0
+
+
 class WithVelocity(Base):
     """A controller that knows the piston's velocity."""
 
@@ -73,19 +86,11 @@ class WithVelocity(Base):
         return self.velocity == "measured"
 
 
-class WithGains(WithVelocity):
+class WithGains(WithVelocity, WithOverlap):
     """A controller with proportional and derivative gain."""
 
     gain: ProportionalGain = Field(default="1.0 V/%", description="proportional, on the position error")
     derivative: DerivativeGain = Field(default="0.0 V s/%", description="on the piston's velocity")
-    compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
-    overlap_share: Fraction = Field(
-        default=1.0, gt=0.0, le=1.0, description="of the overlap that is jumped; below 1 a dead band is left"
-    )
-
-    @property
-    def jumped_share(self) -> float:
-        return self.overlap_share if self.compensate_overlap else 0.0
 
 
 class PdGains(WithGains):
@@ -179,7 +184,7 @@ class OpenLoop(Base):
         return laws.OpenLoopGains(self.limit)
 
 
-class StateSpace(Base):
+class StateSpace(WithOverlap):
     """A sampled linear law: z <- A z + B u, spool = C z + D u."""
 
     NO_TACHOMETER: ClassVar[str] = (
@@ -193,10 +198,6 @@ class StateSpace(Base):
     D: Matrix = Field(description="one row, a number per input")
     dt: Seconds = Field(gt=0.0, description="sampling period that the matrices are for; equals loop.sample_period")
     inputs: list[Signal] = Field(default=["error"], min_length=1, description=READS)
-    compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
-    overlap_share: Fraction = Field(
-        default=1.0, gt=0.0, le=1.0, description="of the overlap that is jumped; below 1 a dead band is left"
-    )
 
     @model_validator(mode="after")
     def _fits(self) -> "StateSpace":
@@ -206,10 +207,6 @@ class StateSpace(Base):
     @property
     def needs_tachometer(self) -> bool:
         return "velocity" in self.inputs
-
-    @property
-    def jumped_share(self) -> float:
-        return self.overlap_share if self.compensate_overlap else 0.0
 
     def refuse_period(self, period: float) -> None:
         if abs(self.dt - period) > SAME:
@@ -251,6 +248,14 @@ def _parameters(values: dict[str, Any]) -> dict[str, Any]:
     return values
 
 
+def only_numbers(values: dict[str, Any]) -> dict[str, Any]:
+    """Parameters of a law in C. Raises ValueError for one that is not a number."""
+    for name, value in values.items():
+        if isinstance(value, list) or (isinstance(value, str) and not _is_gain(value) and isinstance(si(value), str)):
+            raise ValueError(f"{name} = {value!r}: a law in C takes numbers; give one, or a text with a unit")
+    return values
+
+
 def _is_gain(text: str) -> bool:
     """Is it in volts per % of the stroke?"""
     try:
@@ -287,7 +292,31 @@ def _plain(value: Any, scale: Scale) -> Any:
     return value
 
 
-AnyController = Pd | Pid | Relay | OpenLoop | StateSpace | Python
+class InC(WithOverlap):
+    """A function in C, whose header `hydrotwin messages --c` prints: a shared library, or a file that is compiled."""
+
+    kind: Literal["c"]
+    library: str = Field(default="", description="shared library beside the scenario, such as law.so")
+    source: Annotated[str, AfterValidator(c_file)] = Field(
+        default="", description="C file beside the scenario, compiled by the system's compiler; in place of library"
+    )
+    parameters: Annotated[dict[str, Any], AfterValidator(_parameters), AfterValidator(only_numbers)] = Field(
+        default={}, description="of the law, which gets them as numbers; a text with a unit arrives in SI"
+    )
+
+    @model_validator(mode="after")
+    def _one_file(self) -> "InC":
+        if bool(self.library) == bool(self.source):
+            raise ValueError("give the law as controller.library or as controller.source, one of the two")
+        return self
+
+    def gains(self, scale: Scale) -> laws.CGains:
+        """What the function is given beside sample and target."""
+        parameters = {name: float(_plain(value, scale)) for name, value in self.parameters.items()}
+        return laws.CGains(scale.sample_period, self.limit, self.jumped_share * scale.overlap, parameters)
+
+
+AnyController = Pd | Pid | Relay | OpenLoop | StateSpace | Python | InC
 KINDS = by_kind(AnyController)
 ONLY_SIGN = "a relay knows only the sign: give controller.derivative_time, the derivative over the gain [s]"
 INSTEAD = {("relay", "gain"): ONLY_SIGN, ("relay", "derivative"): ONLY_SIGN}

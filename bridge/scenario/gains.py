@@ -3,7 +3,7 @@
 from bridge.errors import ScenarioError
 from bridge.scenario.controllers import PdGains, Scale
 from bridge.scenario.model import Scenario
-from controller.law import Gains, OpenLoopGains, RelayGains, UserGains
+from controller.law import CGains, Gains, OpenLoopGains, RelayGains, UserGains
 from controller.pid import PidGains
 from controller.state_space import StateSpaceGains
 
@@ -14,7 +14,10 @@ def scale_of(scenario: Scenario) -> Scale:
     return Scale(rig.cylinder.stroke, rig.valve.full_scale, rig.valve.overlap, scenario.loop.sample_period)
 
 
-def law_gains(scenario: Scenario) -> Gains | UserGains | PidGains | RelayGains | OpenLoopGains | StateSpaceGains:
+AnyGains = Gains | UserGains | PidGains | RelayGains | OpenLoopGains | StateSpaceGains | CGains
+
+
+def law_gains(scenario: Scenario) -> AnyGains:
     """What the scenario's law is given."""
     return scenario.controller.gains(scale_of(scenario))
 

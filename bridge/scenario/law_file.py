@@ -4,6 +4,8 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
+C_FILES = ("library", "source")  # of a controller in C
+
 
 def law_file(name: str, folder: Path) -> Path | None:
     """The file in a folder that holds a law; None where it is not there."""
@@ -19,7 +21,10 @@ def law_file(name: str, folder: Path) -> Path | None:
 
 
 def law_facts(controller: Any) -> dict[str, Any]:
-    """What a recording keeps of a law that stands in a file: its name, text and hash; nothing of others."""
+    """What a recording keeps of a law that stands in a file: its name, hash and, if it is one, text."""
+    if controller.kind == "c":
+        file = Path(controller.library or controller.source)
+        return kept_of(file.name, file.read_bytes(), bool(controller.source)) if file.is_file() else {}
     name = getattr(controller, "law", None)
     file = law_file(name, Path.cwd()) if name else None
     if name is None or file is None:
@@ -27,10 +32,17 @@ def law_facts(controller: Any) -> dict[str, Any]:
     return kept_of(f"{file.name}:{name.rpartition(':')[2]}", file.read_bytes())
 
 
-def kept_of(name: str, text: bytes) -> dict[str, Any]:
+def kept_of(name: str, content: bytes, is_text: bool = True) -> dict[str, Any]:
     """A law as the head of a recording has it."""
-    digest = hashlib.sha256(text).hexdigest()
-    return {"law": {"name": name, "sha256": digest, "text": text.decode("utf-8", "replace")}}
+    text = {"text": content.decode("utf-8", "replace")} if is_text else {}
+    return {"law": {"name": name, "sha256": hashlib.sha256(content).hexdigest(), **text}}
+
+
+def c_file(name: str) -> str:
+    """The name of a file that a C compiler takes. Raises ValueError for another one."""
+    if name and not name.endswith(".c"):
+        raise ValueError(f"{name!r} is not a C file; compile it yourself, and give the result as controller.library")
+    return name
 
 
 def with_kind(controller: dict[str, Any]) -> dict[str, Any]:
@@ -48,11 +60,14 @@ def with_place(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     if not isinstance(controller, dict):
         return data
     controller = with_kind(controller)
-    data = data | {"controller": controller}
-    if folder.resolve() == Path.cwd():
-        return data
-    name = controller.get("law")
-    file = law_file(name, folder) if isinstance(name, str) else None
-    if file is None:
-        return data
-    return data | {"controller": controller | {"law": f"{file.resolve()}:{str(name).rpartition(':')[2]}"}}
+    if folder.resolve() != Path.cwd():
+        controller = controller | _places(controller, folder)
+    return data | {"controller": controller}
+
+
+def _places(controller: dict[str, Any], folder: Path) -> dict[str, str]:
+    """The names of a controller's files that are in a folder, with their full paths."""
+    given = {key: controller[key] for key in ("law", *C_FILES) if isinstance(controller.get(key), str)}
+    found = {key: str((folder / given[key]).resolve()) for key in C_FILES if (folder / given.get(key, "")).is_file()}
+    file = law_file(given.get("law", ""), folder)
+    return found | ({"law": f"{file.resolve()}:{given['law'].rpartition(':')[2]}"} if file else {})
