@@ -87,7 +87,8 @@ class Memory(NamedTuple):
     velocity: float  # [m/s], its estimate there
 
 
-Law = Callable[[Sample, Target, Any, Any], tuple[float, Any]]  # memory is the law's own affair, None at first
+Answer = tuple[float, Any] | tuple[float, Any, Any]  # spool, memory and, of a user's law, signals to be recorded
+Law = Callable[[Sample, Target, Any, Any], Answer]  # memory is the law's own affair, None at first
 
 
 def pd(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:

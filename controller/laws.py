@@ -26,6 +26,7 @@ class ControlLaw(NamedTuple):
     on_safe_state: Hook = forget  # the valve has been centred: what comes now does not act
     on_resume: Hook = forget  # commands act again
     prepare: Callable[[Any], Any] = lambda gains: gains  # makes what the law is given of a scenario's gains
+    name: str = ""  # of a user's, as people call it
 
 
 LAWS: dict[str, ControlLaw] = {

@@ -55,8 +55,8 @@ def run(scenario: Scenario | str | Path, law: Law | None = None, changes: Change
     elif changes:
         raise UsageError("changes go with the name of a scenario: load(name, changes) makes the changed one")
     if law is None:
-        return Run(run_in_memory(scenario), scenario)
-    return Run(run_in_memory(scenario, law_object(law), facts_of(law)), scenario)
+        return Run(run_in_memory(scenario, aloud=True), scenario)
+    return Run(run_in_memory(scenario, law_object(law), facts_of(law), aloud=True), scenario)
 
 
 def linear_model(scenario: Scenario | str, point: str = "rest", friction: Quantity = 0.0) -> "LinearModel":

@@ -2,7 +2,6 @@
 
 import atexit
 import gc
-import logging
 import os
 import signal
 import sys
@@ -52,7 +51,7 @@ def _outcome() -> tuple[int, str]:
     from bridge.cli.verbs import app
     from bridge.errors import RunError, UsageError, reason
 
-    logging.basicConfig(format="hydrotwin: %(message)s", level=logging.WARNING)  # on standard error
+    streams.warn_on_error()
     try:
         app()
     except SystemExit as end:

@@ -2,6 +2,7 @@
 
 import errno
 import io
+import logging
 import os
 import sys
 from contextlib import suppress
@@ -33,6 +34,21 @@ def refusal() -> str | None:
         _drop()
         return "" if error.errno == errno.EPIPE else f"cannot write to standard output: {error.strerror}"
     return None
+
+
+class _OnError(logging.Handler):
+    """Our own warnings on standard error, whichever that is; the root logger is left to users' laws."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one."""
+        complain(record.getMessage())
+
+
+def warn_on_error() -> None:
+    """From now on our warnings reach standard error."""
+    log = logging.getLogger("hydrotwin")
+    if not any(isinstance(handler, _OnError) for handler in log.handlers):
+        log.addHandler(_OnError())
 
 
 def complain(text: str) -> None:

@@ -5,53 +5,74 @@ from collections.abc import Mapping
 from typing import Any
 
 from bridge.loop.law import law_of
+from bridge.loop.law_messages import LawMessages
 from bridge.scenario import Scenario
 from bridge.scenario.gains import law_gains
 from bridge.wire.codec import Reference, ValveCommand
 from bridge.wire.messages import EventKind, Outgoing
 from controller.grid import NS, is_sample
 from controller.law import Sample
+from controller.laws import ControlLaw
 from controller.reference import Target, evaluate
 
 
 class ControllerSide:
-    """One run of a control law."""
+    """One run of a control law: the scenario's, or another one in its place, which gets the same gains."""
 
-    def __init__(self, scenario: Scenario, source: int) -> None:
+    def __init__(self, scenario: Scenario, source: int, law: ControlLaw | None = None) -> None:
         self.grid = scenario.loop.grid()
         self.source = source
-        self.law = law_of(scenario.controller)
+        scenarios = law_of(scenario.controller)
+        self.law = scenarios if law is None else law._replace(prepare=scenarios.prepare)
         self.gains = self.law.prepare(law_gains(scenario))
         self.reference = scenario.reference.reference()
         self.follows = scenario.controller.follows
-        self.published: dict[str, int] = {"command": 0, "reference": 0}
+        self.own = LawMessages(source, self.law.name)  # what the law has logged and printed
+        self._sent = 0
         self._memory: Any = None
 
+    @property
+    def published(self) -> dict[str, int]:
+        """Messages per topic so far."""
+        return {"command": self._sent, "reference": self._sent, **self.own.published}
+
     def answer(self, measurement: Any) -> list[Outgoing]:
-        """The command and the reference for a measurement at a sampling instant, nothing for others."""
+        """What there is to say to a measurement at a sampling instant, nothing to others.
+
+        First the command, which the plant waits for, last the reference, and between them what the law has said.
+        """
         stamp = measurement.stamp
         if not is_sample(stamp, self.grid):
             return []
+        self.own.run_id = measurement.run_id
         spool, target = self.decide(sample_of(stamp, vars(measurement)))
-        sequence = self.published["command"]
-        self.published = {"command": sequence + 1, "reference": sequence + 1}
+        sequence, self._sent = self._sent, self._sent + 1
         position = target.position if self.follows else math.nan
         own = {"run_id": measurement.run_id, "source": self.source, "sequence": sequence}
         command = ValveCommand(**own, sample_stamp=stamp, apply_at=stamp + self.grid.delay, spool=spool)
         wanted = Reference(**own, stamp=stamp, position=position, velocity=target.velocity)
-        return [Outgoing("command", stamp, sequence, command), Outgoing("reference", stamp, sequence, wanted)]
+        return [
+            Outgoing("command", stamp, sequence, command),
+            *self.own.take(),
+            Outgoing("reference", stamp, sequence, wanted),
+        ]
 
-    def heed(self, event: Any) -> None:
-        """Tell the law when its commands do not act any more, and when they act again."""
-        if event.kind == EventKind.SAFE:
-            self._memory = self.law.on_safe_state(self._memory)
-        elif event.kind in (EventKind.RESET, EventKind.RESUMED):
-            self._memory = self.law.on_resume(self._memory)
+    def heed(self, event: Any) -> list[Outgoing]:
+        """Tell the law when its commands do not act any more, and when they act again; what it prints at that."""
+        hooks = {EventKind.SAFE: self.law.on_safe_state}
+        hooks |= dict.fromkeys((EventKind.RESET, EventKind.RESUMED), self.law.on_resume)
+        if event.kind not in hooks:
+            return []
+        self.own.run_id = event.run_id
+        self._memory = self.own.hear(event.stamp, hooks[event.kind], self._memory)
+        return self.own.take()
 
     def decide(self, sample: Sample) -> tuple[float, Target]:
         """The spool reference for the next sample, and the target it is after."""
-        target = self.target(sample.stamp_ns)
-        spool, self._memory = self.law.answer(sample, target, self._memory, self.gains)
+        stamp = sample.stamp_ns
+        target = self.target(stamp)
+        spool, self._memory, *signals = self.own.hear(stamp, self.law.answer, sample, target, self._memory, self.gains)
+        self.own.log(stamp, *signals)
         return float(spool), target
 
     def target(self, stamp: int) -> Target:

@@ -8,6 +8,7 @@ from bridge.loop.plant import PlantSide
 from bridge.scenario import Scenario
 from bridge.wire.events import last_words
 from bridge.wire.messages import Ending, Outgoing
+from controller.laws import ControlLaw
 
 
 def exchange(
@@ -38,11 +39,11 @@ def answered(plant: PlantSide, controller: ControllerSide, out: list[Outgoing]) 
             plant.take(answer.message)
     for event in out:
         if event.topic == "event":
-            controller.heed(event.message)
+            answers += controller.heed(event.message)
     return answers
 
 
-def sides(scenario: Scenario) -> tuple[PlantSide, ControllerSide]:
-    """Plant and controller of the run that the scenario's seed names."""
+def sides(scenario: Scenario, law: ControlLaw | None = None) -> tuple[PlantSide, ControllerSide]:
+    """Plant and controller of the run that the scenario's seed names; with another law, if there is one."""
     run_id = derived(scenario.seed, scenario.rig_name)
-    return PlantSide(scenario, run_id), ControllerSide(scenario, derived(scenario.seed, "controller"))
+    return PlantSide(scenario, run_id), ControllerSide(scenario, derived(scenario.seed, "controller"), law)

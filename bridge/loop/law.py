@@ -9,23 +9,21 @@ import importlib.util
 import inspect
 import re
 import sys
-import traceback
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from bridge.errors import RunError, ScenarioError
+from bridge.errors import ScenarioError
+from bridge.loop.checked_law import FAILURES, checked, explained, short, told
+from bridge.loop.hearing import aside
 from bridge.loop.parameters import filled
 from bridge.scenario.controllers import Controller, InC, Python
 from bridge.scenario.law_file import kept_of, law_file
-from controller.law import Law, Sample
-from controller.laws import LAWS, ControlLaw, Hook, forget
+from controller.laws import LAWS, ControlLaw
 from controller.linear_system import system_law
-from controller.reference import Target
 
 OURS = ("bridge", "controller", "twin")  # no laws themselves
-FAILURES = (Exception, SystemExit)  # scripts end the interpreter, which a law must not
 HOOKS = ("on_safe_state", "on_resume")  # functions beside a user's law that are told of both; each gets the memory
 
 
@@ -48,7 +46,8 @@ def find_law(name: str) -> ControlLaw:
     if file is None and (module.endswith(".py") or module in OURS):
         raise ScenarioError(f"controller.law {name!r}: there is no such file beside the scenario or in {Path.cwd()}")
     try:
-        loaded = importlib.import_module(module) if file is None else _from_file(file.resolve())
+        with aside():
+            loaded = importlib.import_module(module) if file is None else _from_file(file.resolve())
     except FAILURES as error:
         raise ScenarioError(f"controller.law {name!r}: {explained(error, file)}") from None
     law = getattr(loaded, function, None)
@@ -57,17 +56,17 @@ def find_law(name: str) -> ControlLaw:
     place = Path(loaded.__file__ or "")
     if is_system(law):
         linear = _system_law(law, name)
-        answer: Any = _checked(linear, name, place)
+        answer: Any = checked(linear, name, place)
         answer.system = linear.system
         return ControlLaw(answer)
-    hooks = {hook: _hook(getattr(loaded, hook, None), f"{name}: {hook}", place) for hook in HOOKS}
-    return ControlLaw(_checked(law, name, place), **hooks, prepare=_prepared(loaded, place))
+    hooks = {hook: told(getattr(loaded, hook, None), f"{name}: {hook}", place) for hook in HOOKS}
+    return ControlLaw(checked(law, name, place), **hooks, prepare=_prepared(loaded, place), name=name)
 
 
 def _prepared(module: ModuleType, file: Path) -> Callable[[Any], Any]:
     """What fills the parameters that a module declares as `Parameters` from those of the scenario."""
     declared = getattr(module, "Parameters", None)
-    return lambda gains: gains._replace(parameters=filled(gains.parameters, declared, _short(str(file))))
+    return lambda gains: gains._replace(parameters=filled(gains.parameters, declared, short(str(file))))
 
 
 def law_object(law: Any) -> ControlLaw:
@@ -75,7 +74,8 @@ def law_object(law: Any) -> ControlLaw:
     if not callable(law):
         raise ScenarioError(f"{law!r:.80} is not a law: give a function (sample, target, memory, gains)")
     code = getattr(law, "__code__", None)
-    return ControlLaw(_checked(law, _name(law), Path(code.co_filename if code else _name(law))))
+    name = _name(law)
+    return ControlLaw(checked(law, name, Path(code.co_filename if code else name)), name=name)
 
 
 def facts_of(law: Any) -> dict[str, Any]:
@@ -84,33 +84,12 @@ def facts_of(law: Any) -> dict[str, Any]:
         text = inspect.getsource(law)
     except (OSError, TypeError):
         text = ""
-    return kept_of(_name(law), text.encode())
+    kept = kept_of(_name(law), text.encode())
+    return kept | {"law": kept["law"] | {"in_memory": True}}
 
 
 def _name(law: Any) -> str:
     return getattr(law, "__qualname__", type(law).__qualname__)
-
-
-def explained(error: BaseException, file: Path | None) -> str:
-    """What went wrong in a user's code, in one line with its place there."""
-    words = " ".join(str(error).split())
-    if isinstance(error, SyntaxError) and error.filename:
-        return f"{_short(error.filename)}, line {error.lineno}: {error.msg}"
-    frames = traceback.extract_tb(error.__traceback__)
-    theirs = [frame for frame in frames if file and _belongs(Path(frame.filename), file)]
-    place = f"{_short(theirs[-1].filename)}, line {theirs[-1].lineno}: " if theirs else ""
-    return f"{place}{type(error).__name__}: {words}"
-
-
-def _belongs(code: Path, file: Path) -> bool:
-    """Is code of the law's own folder?"""
-    folder = file.resolve().parent
-    return folder in code.parents and "site-packages" not in code.relative_to(folder).parts
-
-
-def _short(filename: str) -> str:
-    path = Path(filename)
-    return str(path.relative_to(Path.cwd()) if Path.cwd() in path.parents else path)
 
 
 def _from_file(file: Path) -> ModuleType:
@@ -163,34 +142,3 @@ def _system_law(system: Any, name: str) -> Any:
     states: Any = control.ss(system)
     a, b, c, d = (matrix.tolist() for matrix in (states.A, states.B, states.C, states.D))
     return system_law(a, b, c, d, float(system.dt))
-
-
-def _checked(law: Any, name: str, file: Path) -> Law:
-    """A user's law, whose failure is one line. Raises RunError."""
-
-    def answer(sample: Sample, target: Target, memory: Any, gains: Any) -> tuple[float, Any]:
-        try:
-            answered = law(sample, target, memory, gains)
-        except FAILURES as error:
-            raise RunError(f"controller.law {name!r}: {explained(error, file)}") from None
-        try:
-            spool, memory = answered
-            return float(spool), memory
-        except (TypeError, ValueError):
-            raise RunError(f"controller.law {name!r} returned {answered!r:.80}, expected (spool, memory)") from None
-
-    return answer
-
-
-def _hook(hook: Any, name: str, file: Path) -> Hook:
-    """A user's hook, whose failure is one line. Raises RunError."""
-    if not callable(hook):
-        return forget
-
-    def told(memory: Any) -> Any:
-        try:
-            return hook(memory)
-        except FAILURES as error:
-            raise RunError(f"controller.law {name}: {explained(error, file)}") from None
-
-    return told

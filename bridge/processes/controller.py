@@ -15,9 +15,9 @@ from bridge.scenario import Scenario
 from bridge.scenario.sameness import DIGEST, difference, digest_of
 from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
-from bridge.wire.events import reason_of
+from bridge.wire.events import line_of_law, reason_of
 from bridge.wire.link import Link
-from bridge.wire.messages import GOING, EventKind, Mode, Phase, Reason
+from bridge.wire.messages import GOING, EventKind, Mode, Outgoing, Phase, Reason
 from bridge.wire.status import PUBLISHED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 
@@ -88,17 +88,23 @@ class ControllerProcess:
             try:
                 heed(message)
             except Exception as error:
+                self._publish(self.side.own.take())  # what the law has said before it failed
                 self._fault = self._fault or error
 
         return receive
 
     def _answer(self, measurement: Any) -> None:
-        for message in self.side.answer(measurement):
-            self.bus.publish(message)
+        self._publish(self.side.answer(measurement))
         self._run_id, self._stamp, self._tick = measurement.run_id, measurement.stamp, measurement.tick
 
+    def _publish(self, messages: list[Outgoing]) -> None:
+        for message in messages:
+            self.bus.publish(message)
+            if message.topic == "said":
+                self._narrator.say(line_of_law(message.message))
+
     def _heed(self, event: Any) -> None:
-        self.side.heed(event)
+        self._publish(self.side.heed(event))
         if self._is_refused(event):
             self._fault = RunError(f"the plant refuses this controller: {event.text}")
         when = f"t = {event.stamp / NS:g} s: "

@@ -11,12 +11,14 @@ from typing import Any
 
 from bridge.loop.identity import derived
 from bridge.machine.children import guarded
+from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop
 from bridge.processes.child import Child
 from bridge.processes.options import SLOW, RunOptions
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
+from bridge.wire.events import line_of_law
 from bridge.wire.link import Link, LinkError, free_endpoint
 from bridge.wire.messages import GOING, Mode
 from bridge.wire.status import PlantStatus, plant_status
@@ -42,6 +44,7 @@ class Supervisor:
         self.notes: list[str] = []  # what people should know, without being a failure
         self.children: list[Child] = []
         self.recorded = False  # has the run left a recording?
+        self._narrator = Narrator(quiet=False)
         self._heard = time.monotonic()
         self._started = False
         self._noted: list[Child] = []
@@ -110,6 +113,7 @@ class Supervisor:
         finally:
             if bus is not None:
                 bus.close()
+            self._narrator.close()
 
     def _note_standstill(self, looked: float) -> float:
         """Whoever stands still has been suspended, and the run with it; the clock counts a computer's sleep too."""
@@ -131,6 +135,7 @@ class Supervisor:
                     return None
                 continue
             bus.subscribe("status", self._on_status)
+            bus.subscribe("said", self._on_said)
             self._heard = time.monotonic()
             return bus
         return None
@@ -144,6 +149,10 @@ class Supervisor:
         if message.phase not in GOING:
             self._plant_over = self._plant_over or time.monotonic()
         self.show(status, message.phase)
+
+    def _on_said(self, sample: Any) -> None:
+        with suppress(ValueError):
+            self._narrator.say(line_of_law(decode(sample.payload.to_bytes(), "said")))
 
     def _over(self) -> bool:
         now = time.monotonic()

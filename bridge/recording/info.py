@@ -11,9 +11,10 @@ from bridge.recording.reader import Recording
 from bridge.recording.remarks import remarks
 from bridge.recording.summary import Summary, summary_of
 from bridge.recording.tally import Tally
+from bridge.recording.told import events_of
 from bridge.recording.verdict import verdict
 from bridge.wire.codec import decode
-from bridge.wire.messages import SOURCED
+from bridge.wire.messages import SOURCED, TOLD
 from controller.grid import NS
 
 PAUSE = 1.5  # periods without a message are a gap
@@ -91,7 +92,7 @@ def describe(recording: Recording) -> RecordingInfo:
         run={name: run[name] for name in RUN if name in run} | _law(run),
         metadata={name: values for name, values in known.items() if name not in ("run", "summary")},
         channels=channels(recording),
-        events=[_event(event) for event in recording.messages("event")] if "event" in recording.counts else [],
+        events=[_event(event) for event in events_of(recording)],
         summary=summary_of(recording),
     )
 
@@ -160,7 +161,7 @@ def _channel(recording: Recording, topic: str, entries: list[Any], losses: dict[
         float(times[0]) / NS,
         float(times[-1]) / NS,
         NS / median if median else None,
-        int(np.sum(steps > PAUSE * median)) if median and topic != "event" else 0,
+        int(np.sum(steps > PAUSE * median)) if median and topic not in TOLD else 0,
         float(steps.max()) / NS if len(steps) else None,
         losses.get(topic, 0),
     )

@@ -15,6 +15,8 @@ from bridge.recording.channels import ChannelFacts, Channels
 from bridge.recording.damage import Damage, damage
 from bridge.recording.facts import facts_of
 from bridge.recording.layout import MESSAGE, READ, RECORD, parsed
+from bridge.recording.own_signals import TOPIC as OWN_SIGNALS
+from bridge.recording.own_signals import own_columns
 from bridge.recording.scan import Piece, Scan, contents, described_at_end, inside
 from bridge.scenario import Scenario, check
 from bridge.wire.codec import STORE
@@ -58,7 +60,9 @@ class Recording(NamedTuple):
         return [STORE.deserialize_cdr(entry.data, kind) for entry in self.of(topic)]
 
     def columns(self, topic: str) -> dict[str, NDArray[Any]]:
-        """A flat topic as one array per field."""
+        """A flat topic as one array per field; what laws log as one array per signal, too."""
+        if topic == OWN_SIGNALS:
+            return own_columns(self.messages(topic))
         kind = TOPICS[topic].type
         layout = struct_format(kind)
         if layout is None:

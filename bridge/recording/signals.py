@@ -1,4 +1,4 @@
-"""The signals of a recording: every number of its flat messages by the instant it belongs to, with its unit."""
+"""The signals of a recording: the numbers of its flat messages and of laws, by the instants they belong to."""
 
 import re
 from typing import Any, NamedTuple
@@ -6,13 +6,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.recording.own_signals import TOPIC as OWN_SIGNALS
+from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Recording
 from bridge.scenario.bands import SIGNALS
 from bridge.wire.messages import TOPICS, described, of_tap, struct_format
 from controller.grid import NS
 from twin.topology import PRESSURES
 
-COMPARED = ("measurement", "state", "command", "reference")
+COMPARED = ("measurement", "state", "command", "reference", "signals")
 INSTANTS = {"command": "sample_stamp"}  # of others "stamp"
 IDENTITY = ("run_id", "source", "sequence", "tick", "stamp", "sample_stamp")
 _COMMENT = re.compile(r"^\S+ (\w+)\s*#(.*)$", re.MULTILINE)
@@ -39,7 +41,17 @@ _SPACED = ("Pa s/m^3",)
 _STANDARD = {"joint": {"position": "m", "velocity": "m/s", "effort": "N"}} | {
     topic: {"fluid_pressure": "Pa", "variance": "Pa^2"} for topic in map(of_tap, PRESSURES)
 }
-_STANDARD |= {topic: {"stamp": "ns"} for topic in ("measurement", "state", "timing", "lines")}
+_STANDARD |= {topic: {"stamp": "ns"} for topic in ("measurement", "state", "timing", "lines", "signals")}
+
+
+def units_in(recording: Recording, topic: str) -> dict[str, str]:
+    """The same in a recording, which alone knows the units of what a law has logged."""
+    return units(topic) | (own_units(recording) if topic == OWN_SIGNALS else {})
+
+
+def has_columns(topic: str) -> bool:
+    """Is a message of a topic a row of numbers?"""
+    return topic == OWN_SIGNALS or struct_format(TOPICS[topic].type) is not None
 
 
 def _text(topic: str) -> str:
@@ -50,14 +62,15 @@ def signals_of(recording: Recording, topics: tuple[str, ...] = COMPARED) -> dict
     """Every signal of some topics, in the order of their instants."""
     found = {}
     for topic in topics:
-        if recording.counts.get(topic) and struct_format(TOPICS[topic].type):
-            found |= {signal.name: signal for signal in _of_topic(topic, recording.columns(topic))}
+        if recording.counts.get(topic) and has_columns(topic):
+            rows = _of_topic(topic, recording.columns(topic), units_in(recording, topic))
+            found |= {signal.name: signal for signal in rows}
     return found
 
 
-def _of_topic(topic: str, columns: dict[str, NDArray[Any]]) -> list[Signal]:
+def _of_topic(topic: str, columns: dict[str, NDArray[Any]], known: dict[str, str]) -> list[Signal]:
     stamp = columns[INSTANTS.get(topic, "stamp")].astype(np.int64)
-    order, known = np.argsort(stamp, kind="stable"), units(topic)
+    order = np.argsort(stamp, kind="stable")
     signals = []
     for name, values in columns.items():
         if name in IDENTITY:

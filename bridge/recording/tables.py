@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.recording.reader import Recording
-from bridge.recording.signals import units
-from bridge.wire.messages import TOPICS, struct_format
+from bridge.recording.signals import has_columns, units_in
+from bridge.wire.messages import TOPICS
 from controller.grid import NS
 
 
@@ -31,8 +31,8 @@ def table(recording: Recording, topic: str) -> list[Column]:
     if topic not in TOPICS:
         raise ValueError(f"{topic}: a type that is not known here")
     time = np.array([entry.log_time for entry in recording.of(topic)], dtype=np.float64) / NS
-    known = units(topic)
-    if struct_format(TOPICS[topic].type):
+    known = units_in(recording, topic)
+    if has_columns(topic):
         rest = [Column(name, known.get(name, ""), values) for name, values in recording.columns(topic).items()]
     else:
         rows = [dict(_flat(message)) for message in recording.messages(topic)]

@@ -18,7 +18,7 @@ from bridge.errors import UsageError, reason
 from bridge.recording.reader import Entry, Recording
 from bridge.recording.sink import Sink
 from bridge.wire.codec import encode, type_hash
-from bridge.wire.messages import TOPICS, Outgoing, definition
+from bridge.wire.messages import OF_SOME_LAWS, TOPICS, Outgoing, definition
 from controller.grid import NS
 
 CHUNK = 8 * 1024 * 1024  # bytes; flushing by time closes them long before
@@ -81,12 +81,14 @@ class RecordingWriter:
         # the writer writes, flushes and closes its stream, no more, and Sink does these
         self._writer = Writer(cast("IO[bytes]", self.sink), chunk_size=CHUNK, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="hydrotwin")
-        chosen = [topic.name for topic in TOPICS.values() if topics is None or topic.name in topics]
+        chosen = [name for name in TOPICS if (topics is None or name in topics) and name not in OF_SOME_LAWS]
         self._channels = {name: self._register(name) for name in chosen}
         self._flushed = 0
 
     def write(self, topic: str, log_time: int, sequence: int, payload: bytes) -> None:
         """Append one message."""
+        if topic not in self._channels:
+            self._channels[topic] = self._register(topic)
         self._writer.add_message(
             channel_id=self._channels[topic],
             log_time=log_time,

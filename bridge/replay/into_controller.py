@@ -18,7 +18,7 @@ from bridge.recording.reader import Entry, Recording
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
-from bridge.wire.messages import Mode, Outgoing, Phase
+from bridge.wire.messages import SOURCED, Mode, Outgoing, Phase
 from bridge.wire.status import PlantStatus
 from controller.grid import Sampling, is_sample
 
@@ -36,7 +36,7 @@ def owner(recording: Recording) -> int:
 
 def only(recording: Recording, source: int) -> Recording:
     """The recording without what other controllers said."""
-    kept = [e for e in recording.entries if e.topic not in ("command", "reference") or _source(e) == source]
+    kept = [e for e in recording.entries if e.topic not in SOURCED or _source(e) == source]
     return recording._replace(entries=kept, counts=recording.counts | dict(Counter(e.topic for e in kept)))
 
 
@@ -69,9 +69,14 @@ def through_side(entries: list[Entry], side: ControllerSide) -> Iterator[list[Ou
     """The answers of the control law to measurements, without processes; it heeds the plant's events between them."""
     for entry in entries:
         if entry.topic == "event":
-            side.heed(decode(entry.data, "event"))
+            yield side.heed(decode(entry.data, "event"))
         else:
             yield side.answer(decode(entry.data, "measurement"))
+
+
+def _outgoing(topic: str, payload: bytes) -> Outgoing:
+    message = decode(payload, topic)
+    return Outgoing(topic, message.sample_stamp if topic == "command" else message.stamp, message.sequence, message)
 
 
 class FedController:
@@ -84,7 +89,7 @@ class FedController:
         folder = Path(self._ending.enter_context(tempfile.TemporaryDirectory(prefix="hydrotwin-")))
         file = folder / "scenario.json"
         file.write_text(scenario.model_dump_json(), encoding="utf-8")
-        for topic in ("command", "reference"):
+        for topic in SOURCED:
             bus.subscribe(topic, lambda sample, topic=topic: self._answers.put((topic, sample.payload.to_bytes())))
         bus.watch()
         bus.announce()
@@ -109,14 +114,26 @@ class FedController:
                 continue
             last = decode(entry.data, "measurement")
             self._bus.publish(Outgoing("measurement", entry.log_time, entry.sequence, last), entry.data)
-            yield [self._await(topic, entry.log_time) for topic in ("command", "reference")]
+            yield list(self._said_to(entry.log_time))
         if last is not None:
             self._bus.publish_status(
                 last.run_id, last.stamp, Phase.ENDED, PlantStatus(last.tick, last.tick).plain(), final=True
             )
             self._finish()
+            yield list(self._rest())
 
-    def _await(self, topic: str, stamp: int) -> Outgoing:
+    def _said_to(self, stamp: int) -> Iterator[Outgoing]:
+        """What the controller says to a measurement; the reference is the last of it."""
+        while (message := self._await(stamp)).topic != "reference":
+            yield message
+        yield message
+
+    def _rest(self) -> Iterator[Outgoing]:
+        """What it has said to the plant's events after the last measurement."""
+        while not self._answers.empty():
+            yield _outgoing(*self._answers.get())
+
+    def _await(self, stamp: int) -> Outgoing:
         deadline = time.monotonic() + PATIENCE
         while time.monotonic() < deadline:
             try:
@@ -125,10 +142,7 @@ class FedController:
                 if fault := self._child.fault():
                     raise RunError(fault) from None
                 continue
-            message = decode(payload, came)
-            if came != topic:
-                raise RunError(f"the controller sent {came} where {topic} was due")
-            return Outgoing(topic, stamp, message.sequence, message)
+            return _outgoing(came, payload)
         raise RunError(f"the controller has not answered the measurement at t = {stamp / 1e9:g} s in {PATIENCE:g} s")
 
     def _finish(self) -> None:

@@ -23,7 +23,8 @@ from bridge.wire.bus import Bus
 from bridge.wire.link import Link, free_endpoint
 from bridge.wire.messages import Outgoing
 
-COMPARED = {"plant": ("measurement", "state"), "controller": ("command", "reference")}
+REPLACING = ("controller.law", "controller.kind")  # changes that put another law in the recorded one's place
+COMPARED = {"plant": ("measurement", "state"), "controller": ("command", "reference", "signals")}
 
 
 class Through(NamedTuple):
@@ -44,6 +45,7 @@ def replay_through(path: Path, request: Through) -> ReplayResult:
     recording = read(path)
     scenario = _scenario(recording, request.changes)
     if request.into == "controller":
+        _refuse_law_in_memory(recording, request.changes)
         recording = only(recording, owner(recording))
     else:
         circuit_of(scenario)  # refused before a file is begun
@@ -59,6 +61,15 @@ def replay_through(path: Path, request: Through) -> ReplayResult:
     writer.metadata("replay", {"passed": verdict.passed, "signals": [d._asdict() for d in verdict.differences]})
     writer.close()
     return verdict
+
+
+def _refuse_law_in_memory(recording: Recording, changes: Sequence[str]) -> None:
+    law = recording.metadata.get("run", {}).get("law", {})
+    if law.get("in_memory") and not any(change.partition("=")[0] in REPLACING for change in changes):
+        raise UsageError(
+            f"{recording.path}: the law of this recording, {law['name']!r}, was a function in the memory of a program, "
+            "which is not to be had: put it into a file and name that with --set controller.law=FILE.py:function"
+        )
 
 
 def _written(writer: RecordingWriter, replayed: Generator[list[Outgoing], None, None]) -> list[Entry]:

@@ -3,6 +3,7 @@
 from itertools import groupby
 
 from bridge.drawing.html import table, text
+from bridge.recording.told import events_of
 from bridge.recording.words import sentence
 from bridge.report.charts import RUNS
 from bridge.report.difference import metric_rows, parameter_rows, scenario_rows, signal_differences
@@ -87,7 +88,7 @@ def events(runs: list[Run], names: list[str]) -> str:
     """What happened, in the order in which it did."""
     rows, left = [], 0
     for run, name in zip(runs, names, strict=True):
-        found = run.recording.messages("event")
+        found = events_of(run.recording)
         left += max(0, len(found) - MOST_EVENTS)
         lead = (text(name),) if len(runs) > 1 else ()
         rows += [(*lead, f"{e.stamp / 1e9:.3f} s", text(e.kind), text(e.text)) for e in found[:MOST_EVENTS]]

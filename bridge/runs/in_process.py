@@ -30,9 +30,11 @@ def record_in_process(
     path: Path,
     progress: Callable[[int], None] = lambda tick: None,
     stopped: Callable[[], bool] = lambda: False,
+    tell: Callable[[Any], None] = lambda event: None,
 ) -> Recording:
     """Run a scenario and record it; returns what the file holds.
 
+    tell: of each line that the law prints, a `said` event.
     Raises RunError when the disk refuses, or with the recording whole as far as it goes when the law fails.
     """
     plant, controller = sides(scenario)
@@ -43,11 +45,12 @@ def record_in_process(
         failure: RunError | None = None
         try:
             for tick, messages in enumerate(exchange(plant, controller, scenario.ticks, stopped=stopped)):
-                entries += writer.instant(messages)
+                entries += writer.instant(_told(messages, tell))
                 progress(tick)
         except RunError as error:
             failure = error
-            entries += writer.instant(_failed(plant, str(error)))
+            said = _told(controller.own.take(), tell)
+            entries += writer.instant(said + _failed(plant, str(error)))
         summary = summarise(recording(path, entries, {}), scenario, {}, plant.status()).plain()
         writer.metadata("summary", summary)
     if failure is not None:
@@ -55,18 +58,28 @@ def record_in_process(
     return recording(path, entries, {"run": head, "summary": summary})
 
 
-def run_in_memory(scenario: Scenario, law: ControlLaw | None = None, facts: Mapping[str, Any] = {}) -> Recording:
+def run_in_memory(
+    scenario: Scenario, law: ControlLaw | None = None, facts: Mapping[str, Any] = {}, aloud: bool = False
+) -> Recording:
     """Run a scenario without a file, with a law in place of its own if there is one. Raises RunError.
 
-    facts: of that law, for the head of the recording.
+    facts: of that law, for the head of the recording. aloud: what the law prints goes where it would go anywhere else.
     """
-    plant, controller = sides(scenario)
-    if law is not None:
-        controller.law = law
+    plant, controller = sides(scenario, law)
+    if aloud:
+        controller.own.speak_aloud()
     head = {**manifest(scenario, plant.run_id), **facts}
     entries = [e for messages in exchange(plant, controller, scenario.ticks) for e in entries_of(messages)]
     summary = summarise(recording(MEMORY, entries, {}), scenario, {}, plant.status()).plain()
     return recording(MEMORY, entries, {"run": head, "summary": summary})
+
+
+def _told(messages: list[Outgoing], tell: Callable[[Any], None]) -> list[Outgoing]:
+    """The messages, the lines of the law among them told."""
+    for message in messages:
+        if message.topic == "said":
+            tell(message.message)
+    return messages
 
 
 def _failed(plant: PlantSide, reason: str) -> list[Outgoing]:

@@ -1,9 +1,11 @@
 """What a person sees while a run is going on; nothing when nobody looks."""
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from bridge.machine.narrator import on_terminal
 from bridge.scenario import Scenario
+from bridge.wire.events import line_of_law
 from bridge.wire.messages import Phase
 from bridge.wire.status import PlantStatus
 
@@ -34,6 +36,10 @@ class Progress:
         """In process: how far it has come."""
         if self._live and number % EVERY == 0:
             self.show(PlantStatus(number, self.scenario.ticks), Phase.RUNNING)
+
+    def tell(self, event: Any) -> None:
+        """Print a line of the law, of a `said` event."""
+        on_terminal(line_of_law(event))
 
     def show(self, status: PlantStatus, phase: str) -> None:
         """Draw the numbers of a status."""

@@ -106,7 +106,10 @@ def _run(scenario: Scenario, options: RunOptions, stop: Stop) -> tuple[Recording
     with Progress(scenario) as progress:
         if options.mode == Mode.INPROCESS:
             try:
-                return record_in_process(scenario, options.recording, progress.tick, lambda: stop.listen()()), [], []
+                recorded = record_in_process(
+                    scenario, options.recording, progress.tick, lambda: stop.listen()(), progress.tell
+                )
+                return recorded, [], []
             except RecordingError as error:
                 return None, [str(error)], []
             except RunError as error:  # of the law: what was recorded until then is whole

@@ -116,6 +116,17 @@ def si(text: str) -> float | str:
     return number * known[written].factor
 
 
+def in_si(unit: str) -> tuple[str, float]:
+    """The SI unit of a unit, and the factor to it; a unit that we do not know, or that has an offset, stays."""
+    if unit in UNITS:
+        return unit, 1.0
+    written = spelled(unit)
+    for name, known in UNITS.items():
+        if written in known and not known[written].offset:
+            return name, known[written].factor
+    return unit, 1.0
+
+
 def interval(name: str, text: str, above: bool = True) -> tuple[float, float]:
     """The ends of LOW:HIGH, rising, from above 0 or from 0 on. Raises ValueError naming who asked."""
     low, _, high = text.partition(":")

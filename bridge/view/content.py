@@ -8,6 +8,7 @@ import numpy as np
 from bridge.errors import UsageError
 from bridge.recording.frames import Frames, frames
 from bridge.recording.reader import Recording
+from bridge.recording.told import events_of
 from bridge.recording.words import run_in_words
 from bridge.scenario import Scenario
 from bridge.view import length_time
@@ -76,7 +77,7 @@ def send_events(stream: Any, recording: Recording) -> None:
     """Send a recording's events as text."""
     import rerun as rr
 
-    events = recording.messages("event")
+    events = events_of(recording)
     if not events:
         return
     text = [f"{event.stamp / 1e9:9.3f} s  {event.kind}: {event.text}" for event in events]

@@ -14,7 +14,8 @@ from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.codec import decode
 from bridge.wire.messages import TOPICS, flat_size
 
-WATCHED = ("lines", "state", "reference", "event", "timing")  # not the loop's own: they go out at once, at a price
+# not the loop's own: they go out at once, at a price
+WATCHED = ("lines", "state", "reference", "signals", "said", "event", "timing")
 MOST = 10_000  # messages of a topic that wait, some 10 s at 1 kHz
 RUN_ID = struct.Struct("<4xQ")  # every message of ours begins with it
 

@@ -47,6 +47,7 @@ LineProfile: Any = _own("LineProfile")
 Residual: Any = _own("Residual")
 LoopTiming: Any = _own("LoopTiming")
 Event: Any = _own("Event")
+Signals: Any = _own("Signals")
 Status: Any = _own("Status")
 JointState: Any = STORE.types["sensor_msgs/msg/JointState"]
 FluidPressure: Any = STORE.types["sensor_msgs/msg/FluidPressure"]
@@ -81,9 +82,12 @@ def decode(payload: bytes, topic: str) -> Any:
     if size is not None and len(payload) != size:
         raise ValueError(f"not a {kind}: {len(payload)} bytes, expected {size}")
     try:
-        return STORE.deserialize_cdr(payload, kind)
+        message: Any = STORE.deserialize_cdr(payload, kind)
     except (SerdeError, UnicodeDecodeError) as error:
         raise ValueError(f"not a {kind}: {len(payload)} bytes that do not decode") from error
+    if topic == "signals" and not len(message.names) == len(message.units) == len(message.values):
+        raise ValueError(f"not a {kind}: its lists of names, units and values differ in length")
+    return message
 
 
 def type_hash(kind: str) -> str:

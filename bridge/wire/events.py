@@ -41,6 +41,11 @@ def last_words(ending: Ending, ticks: int, reason: str = "") -> str:
     return f"{ending}{f': {reason}' if reason else ''} after {ticks} ticks"
 
 
+def line_of_law(event: Any) -> str:
+    """A `said` event as people read it on a terminal."""
+    return f"t = {event.stamp / 1e9:g} s: law: {event.text}"
+
+
 def ending_of(text: str) -> Ending:
     """How a run ended, by the text of its `ended` event or of its summary."""
     return next((ending for ending in Ending if text.startswith(ending)), Ending.CUT_OFF)

@@ -45,7 +45,7 @@ GOING = (Phase.RUNNING, Phase.SAFE)  # the others are last words
 
 
 class EventKind(StrEnum):
-    """What has happened to a plant."""
+    """What has happened in a run."""
 
     STARTED = "started"
     ENDED = "ended"
@@ -56,6 +56,7 @@ class EventKind(StrEnum):
     RESET = "reset"
     RESUMED = "resumed"
     DIFFERS = "differs"  # a controller runs another scenario than the plant
+    SAID = "said"  # a law has printed or logged a line: the only one of a controller, on a topic of its own
 
 
 class Reason(StrEnum):
@@ -139,12 +140,22 @@ OTHER_MESSAGES: dict[str, str] = {
 uint64 run_id
 uint64 sequence
 int64 stamp       # simulated [ns]
-string kind       # started, ended, late, missed, refused, safe, reset, resumed, differs
-uint64 source     # of the command it is about, else 0
+string kind       # started, ended, late, missed, refused, safe, reset, resumed, differs; of a controller: said
+uint64 source     # of the command it is about, or of the controller that speaks, else 0
 uint64 command    # its sequence, else 0
 int64 apply_at    # when the command was to act [ns], else 0
 int64 applied_at  # when it acted [ns], else 0
 string text
+""",
+    "Signals": """\
+# Numbers that a law logs at a sample, under names of its own: the same in every message of a run.
+uint64 run_id
+uint64 source
+uint64 sequence
+int64 stamp       # of the measurement it answers [ns]
+string[] names    # letters, digits and _
+string[] units    # SI; of a number without one, empty
+float64[] values
 """,
     "LineProfile": f"""\
 # Pressure along the six lines, and where there is a cavity.
@@ -218,6 +229,8 @@ TOPICS: dict[str, Topic] = {
         Topic("measurement", _own("Measurement"), "plant", "DAQ period", True, True),
         Topic("command", _own("ValveCommand"), "controller", "sample period", True, True),
         Topic("reference", _own("Reference"), "controller", "sample period", True, False),
+        Topic("signals", _own("Signals"), "controller", "sample period, of a law that logs any", True, False),
+        Topic("said", _own("Event"), "controller", "as a law prints or logs a line", True, False),
         Topic("state", _own("PlantState"), "plant", "DAQ period", True, False),
         Topic("event", _own("Event"), "plant", "as it happens", True, False),
         Topic("joint", "sensor_msgs/msg/JointState", "plant", "viewer period", True, False),
@@ -316,4 +329,6 @@ def field_names(kind: str) -> list[str]:
     return [field.name for field in fields_of(kind)]
 
 
-SOURCED = ("command", "reference")  # topics on which several sources may speak
+SOURCED = ("command", "reference", "signals", "said")  # topics on which several sources may speak
+OF_SOME_LAWS = ("signals", "said")  # of them those that most runs do not have, nor their recordings
+TOLD = ("event", "said")  # topics of events

@@ -20,7 +20,7 @@ from bridge.scenario.controllers import Python
 from controller.law import Gains, Sample
 from controller.reference import Target
 from tests.support.command import hydrotwin_here
-from tests.support.processes import ROOT, UNDRAWN, hydrotwin
+from tests.support.processes import ROOT, UNDRAWN
 
 ANSWER = "def law(sample, target, memory, gains):\n    return 0.25, memory\n"
 CALL = (Sample(0, 0.1, 0.0, 0.0, 0.0, 0.0), Target(0.1, 0.0), None, Gains(1.0, 0.0, "measured", 0.0, 0.01, 1.0, 0.0))
@@ -116,8 +116,8 @@ def test_a_mistake_in_the_file_is_one_line_with_its_place(elsewhere: Path, text:
         ("return 1.0 / 0.0, None", "wrong.py, line 2: ZeroDivisionError"),
         ("raise SystemExit(3)", "wrong.py, line 2: SystemExit: 3"),
         ("return sample.nothing, None", "wrong.py, line 2: AttributeError"),
-        ("return 0.0", "returned 0.0, expected (spool, memory)"),
-        ("return None, None", "returned (None, None), expected (spool, memory)"),
+        ("return 0.0", "returned 0.0 at t = 0 s: a law returns (spool, memory)"),
+        ("return None, None", "returned as spool None at t = 0 s: give a number"),
     ],
 )
 def test_a_failing_call_is_one_line_with_its_place(elsewhere: Path, body: str, said: str):
@@ -142,10 +142,11 @@ def test_what_names_no_function_is_refused(name: str):
         load("step", ["controller.kind=python", f"controller.law={name}"])
 
 
-@pytest.mark.parametrize("mode", ["inprocess", "lockstep"])
-def test_a_failing_law_ends_a_run_with_its_line(elsewhere: Path, mode: str):
+def test_a_failing_law_ends_a_run_with_its_line(elsewhere: Path):
+    """In lockstep: `test_own_signals.py`."""
     (elsewhere / "controller.py").write_text("def law(sample, target, memory, gains):\n    return 1 / 0, memory\n")
-    done = hydrotwin("run", scenario_with(elsewhere, "controller:law"), "--mode", mode, *UNDRAWN, cwd=Path.cwd())
+    command = ("run", scenario_with(elsewhere, "controller:law"), "--mode", "inprocess", *UNDRAWN)
+    done = hydrotwin_here(*command, cwd=Path.cwd())
     assert done.returncode == 1
     assert "controller.py, line 2: ZeroDivisionError: division by zero" in (done.stdout + done.stderr).replace("\n", "")
     assert "Traceback" not in done.stdout + done.stderr

@@ -18,12 +18,12 @@ from bridge.recording.tally import Tally
 from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
 from bridge.wire.codec import decode
-from bridge.wire.messages import GOING, SOURCED, TOPICS, EventKind, Mode
+from bridge.wire.messages import GOING, SOURCED, TOLD, TOPICS, EventKind, Mode
 from bridge.wire.status import PUBLISHED, counts, numbers_of
 from controller.grid import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
-ORDERING = ("measurement", "command", "event", "status")  # the recorder follows a run by these, recorded or not
+ORDERING = ("measurement", "command", "event", "said", "status")  # the recorder follows a run by these, recorded or not
 
 
 class Arrival(NamedTuple):
@@ -137,7 +137,7 @@ class RunFile:
             self._ending = message.text
         if topic == "event" and message.kind == EventKind.DIFFERS:
             self.mixed.append(message.text)
-        if topic == "event" and message.kind in self.request.triggers:
+        if topic in TOLD and message.kind in self.request.triggers:
             self.trigger(message.stamp)
 
     def _write(self, messages: Iterable[tuple[str, int, int, bytes]]) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from bridge.errors import ScenarioError
+from bridge.loop.hearing import Hearing
 from bridge.loop.law import law_of as law_in_loop
 from bridge.scenario import Scenario
 from bridge.scenario.controllers import Relay, WithGains
@@ -80,7 +81,7 @@ def scaled(law: Law, factor: float) -> Law:
     """A law whose answer is multiplied, and saturated."""
 
     def answer(sample: Sample, target: Target, memory: Any, gains: Any) -> tuple[float, Any]:
-        spool, memory = law(sample, target, memory, gains)
+        spool, memory, *_ = law(sample, target, memory, gains)
         return max(-1.0, min(1.0, factor * spool)), memory
 
     return answer
@@ -105,10 +106,11 @@ def _deciding(scenario: Scenario, factor: float) -> Decide:
     found = law_in_loop(scenario.controller)
     law, own = scaled(found.answer, factor), found.prepare(law_gains(scenario))
     memory: Any = None
+    hearing = Hearing()  # what it prints here is not of a run
 
     def decide(sample: Sample, target: float) -> float:
         nonlocal memory
-        spool, memory = law(sample, Target(target, 0.0), memory, own)
+        spool, memory = hearing.call(0, law, sample, Target(target, 0.0), memory, own)
         return spool
 
     return decide

@@ -1,0 +1,217 @@
+"""Signals that a law logs and lines that it prints: the same in every mode, and in all that reads a recording."""
+
+import csv
+import io
+import json
+import logging
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import hydrotwin as ht
+from bridge.cli.verbs import app  # noqa: F401  loaded before a test takes the streams
+from bridge.errors import UsageError
+from bridge.loop.hearing import ENOUGH, LONGEST, MOST, Hearing
+from bridge.recording.digest import digest
+from bridge.recording.export import export
+from bridge.recording.info import describe
+from bridge.recording.reader import Recording, read
+from bridge.recording.recover import recover
+from bridge.recording.told import events_of
+from bridge.replay.through import Through, replay_through
+from bridge.runs.in_process import record_in_process
+from bridge.scenario import load
+from bridge.wire.messages import OF_SOME_LAWS
+from tests.support.command import hydrotwin_here
+from tests.support.processes import UNDRAWN, hydrotwin
+
+PI = """\
+import logging
+import sys
+
+import hydrotwin as ht
+
+log = logging.getLogger("mine")
+log.setLevel(logging.INFO)
+log.addHandler(logging.StreamHandler())
+log.handlers[0].setFormatter(logging.Formatter("%(levelname)s %(message)s"))
+log.propagate = False
+print("loaded")
+
+
+def law(sample, target, memory, gains):
+    error, integral = target.position - sample.position, memory or 0.0
+    if sample.stamp_ns == 20_000_000:
+        print("at", sample.stamp_ns // 1_000_000, "ms")
+        print("unended", end="")
+        print("on error", file=sys.stderr)
+        log.info("noted")
+        log.warning("warned")
+    spool = ht.saturate(10.0 * error + integral, gains.limit)
+    return spool, integral + gains.sample_period * error, {
+        "integral": (2000.0 * integral, "mm"), "error": (error, "m"), "held": abs(spool) < 1, "gain": (3, "V/%")
+    }
+
+
+def on_safe_state(memory):
+    print("safe state")
+    return memory
+"""
+SAID = ["at 20 ms", "on error", "INFO noted", "WARNING warned", "unended"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the law is."""
+    place = tmp_path_factory.mktemp("signals")
+    (place / "pi.py").write_text(PI)
+    (place / "pi.toml").write_text(
+        'extends = "step"\nduration = 0.4\n[controller]\nkind = "python"\nlaw = "pi.py:law"\n'
+    )
+    return place
+
+
+@pytest.fixture(scope="module")
+def inprocess(folder: Path) -> Recording:
+    done = hydrotwin_here("run", "pi.toml", "--mode", "inprocess", "--record", "in.mcap", *UNDRAWN, cwd=folder)
+    assert done.returncode == 0, done
+    assert json.loads(done.stdout)["faults"] == []
+    assert done.stderr.splitlines() == ["loaded", *(f"hydrotwin: t = 0.02 s: law: {line}" for line in SAID)]
+    return read(folder / "in.mcap")
+
+
+def test_what_a_law_logs_is_columns_and_signals_with_units(inprocess: Recording, folder: Path):
+    run = ht.read(inprocess.path)
+    columns, error = run.columns("signals"), run.signal("error")
+    assert list(columns) == ["run_id", "source", "sequence", "stamp", "integral", "error", "held", "gain"]
+    assert columns["stamp"].tolist() == [10_000_000 * i for i in range(41)]
+    assert (error.unit, run.signal("signals.integral").unit, run.signal("gain").unit) == ("m", "m", "V/%")
+    reference, measured = run.columns("reference"), run.columns("measurement")
+    at_samples = np.isin(measured["stamp"], columns["stamp"])
+    assert error.value == pytest.approx(reference["position"] - measured["position"][at_samples], abs=1e-15)
+    assert columns["integral"][1:] == pytest.approx(2.0 * 0.01 * np.cumsum(error.value)[:-1], abs=1e-15)
+    run.signal("held").stays(above=1.0)
+
+
+def test_they_are_exported_with_their_units(inprocess: Recording, tmp_path: Path):
+    (path,) = export(inprocess, ["signals"], "csv", tmp_path)
+    rows = list(csv.reader(io.StringIO(path.read_text())))
+    assert rows[0][-4:] == ["integral [m]", "error [m]", "held", "gain [V/%]"]
+    assert len(rows) == 42
+
+
+def test_lockstep_records_and_says_the_same(inprocess: Recording, folder: Path):
+    """Standard output stays JSON alone; both replays of the recording have a residual of zero."""
+    done = hydrotwin("run", "pi.toml", "--mode", "lockstep", "--record", "lock.mcap", *UNDRAWN, cwd=folder)
+    assert done.returncode == 0, done
+    assert json.loads(done.stdout)["lost"] == {}
+    assert [line.partition("law: ")[2] for line in done.stderr.splitlines() if "law: " in line] == SAID
+    assert digest(folder / "lock.mcap") == digest(inprocess.path)
+    for how in ([], ["--alone"]):
+        replayed = hydrotwin_here("replay", "lock.mcap", "--into", "controller", *how, "--json", cwd=folder)
+        assert replayed.returncode == 0, replayed
+        found = {entry["signal"]: entry["greatest"] for entry in json.loads(replayed.stdout)["signals"]}
+        assert {"command.spool", "signals.integral", "signals.held"} <= found.keys()
+        assert set(found.values()) == {0.0}
+
+
+def test_a_run_whose_law_logs_nothing_knows_no_such_channel(tmp_path: Path):
+    recorded = record_in_process(load("step", ["duration=0.02"]), tmp_path / "a.mcap")
+    assert not set(OF_SOME_LAWS) & set(read(recorded.path).channels)
+
+
+def test_a_file_that_was_cut_off_keeps_them(inprocess: Recording, tmp_path: Path):
+    (tmp_path / "cut.mcap").write_bytes(inprocess.path.read_bytes()[:-5000])
+    recover([tmp_path / "cut.mcap"], tmp_path / "whole.mcap")
+    kept = read(tmp_path / "whole.mcap").columns("signals")
+    assert len(kept["error"]) > 10
+    assert kept["error"].tolist() == inprocess.columns("signals")["error"][: len(kept["error"])].tolist()
+
+
+def test_what_a_law_says_is_told_with_the_events(inprocess: Recording):
+    told = [(event.time, event.text) for event in describe(inprocess).events if event.kind == "said"]
+    assert told == [(0.02, text) for text in SAID]
+
+
+def test_a_law_is_heard_when_it_is_told_of_the_safe_state(folder: Path, tmp_path: Path):
+    """A delay longer than the time-out: no command acts for so long."""
+    changes = ["loop.command_timeout=0.05", "controller.limit=0.5"]
+    (tmp_path / "late.py").write_text(PI.replace("spool = ", "spool = float('nan') if sample.stamp_ns else "))
+    scenario = load(
+        "step", ["duration=0.3", "controller.kind=python", f"controller.law={tmp_path}/late.py:law", *changes]
+    )
+    recorded = record_in_process(scenario, tmp_path / "a.mcap")
+    safe = next(event.stamp for event in recorded.messages("event") if event.kind == "safe")
+    assert [(e.stamp, e.text) for e in recorded.messages("said")][-1] == (safe, "safe state")
+
+
+def test_a_law_that_never_stops_talking_is_cut_short():
+    def law(sample, target, memory, gains):
+        print("x" * 1000, "\x1b[31m\tred\n\nlast")
+        return 0.0, memory, {}
+
+    stdout, sys.stdout = sys.stdout, io.StringIO()
+    try:
+        run = ht.run("step", law, changes={"duration": 1})
+        assert sys.stdout.getvalue().count("last") == 101
+    finally:
+        sys.stdout = stdout
+    texts = [event.text for event in events_of(run.recording) if event.kind == "said"]
+    assert len(texts) == MOST + 1
+    assert texts[-1] == ENOUGH
+    assert len(texts[0]) == LONGEST
+    assert texts[1] == "last"
+
+
+def test_other_threads_keep_their_voice(capsys: pytest.CaptureFixture[str]):
+    """What they print while a law answers is not the law's; afterwards the streams are what they were."""
+    hearing, before, handler = Hearing(), (sys.stdout, sys.stderr), logging.StreamHandler(sys.stderr)
+    logging.root.addHandler(handler)
+
+    def answer() -> int:
+        other = threading.Thread(target=lambda: print("of another thread"))
+        other.start()
+        other.join()
+        logging.getLogger("law").warning("of the law")
+        return 3
+
+    assert hearing.call(7, answer) == 3
+    logging.root.removeHandler(handler)
+    assert capsys.readouterr().out == "of another thread\n"
+    assert hearing.lines() == [(7, "of the law")]
+    assert (sys.stdout, sys.stderr) == before
+    assert handler.stream is before[1]
+
+
+def test_a_law_in_memory_is_not_to_be_had_for_a_replay(tmp_path: Path):
+    def law(sample, target, memory, gains):
+        return 0.0, memory
+
+    saved = ht.run("step", law, changes={"duration": 0.05}).save(tmp_path / "a.mcap")
+    into = Through("controller", tmp_path / "b.mcap", alone=True)
+    with pytest.raises(UsageError, match="was a function in the memory of a program") as refused:
+        replay_through(saved, into)
+    assert "\n" not in str(refused.value)
+    (tmp_path / "same.py").write_text("def law(sample, target, memory, gains):\n    return 0.0, memory\n")
+    named = into._replace(changes=["controller.kind=python", f"controller.law={tmp_path}/same.py:law"])
+    assert replay_through(saved, named).passed
+
+
+@pytest.mark.parametrize("mode", ["inprocess", "lockstep"])
+def test_what_a_law_says_before_it_fails_is_not_lost(tmp_path: Path, mode: str):
+    text = "import logging\nlogging.basicConfig(level=20)\n\ndef law(s, t, m, g):\n    SAY\n"
+    text += "    return 1 / (s.stamp_ns - 10**7), m\n"
+    say = {"inprocess": "print('before')", "lockstep": "logging.info('before')"}[mode]
+    (tmp_path / "fails.py").write_text(text.replace("SAY", say))
+    law = ["--set", "controller.kind=python", "--set", "controller.law=./fails.py:law", "--duration", "0.1"]
+    run = hydrotwin_here if mode == "inprocess" else hydrotwin
+    done = run("run", "step", "--mode", mode, *law, "--record", "a.mcap", *UNDRAWN, cwd=tmp_path)
+    assert done.returncode == 1
+    assert "fails.py, line 6: ZeroDivisionError" in json.loads(done.stdout)["faults"][0]
+    said = {"inprocess": "before", "lockstep": "INFO:root:before"}[mode]
+    told = [line.partition("hydrotwin: ")[2] for line in done.stderr.splitlines() if "law: " in line]
+    assert told == [f"t = 0 s: law: {said}", f"t = 0.01 s: law: {said}"]
+    assert [event.stamp for event in read(tmp_path / "a.mcap").messages("said")] == [0, 10_000_000]
