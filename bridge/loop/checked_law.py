@@ -54,7 +54,9 @@ def explained(error: BaseException, file: Path | None) -> str:
         return f"{short(error.filename)}, line {error.lineno}: {error.msg}"
     frames = traceback.extract_tb(error.__traceback__)
     theirs = [frame for frame in frames if file and _belongs(Path(frame.filename), file)]
-    place = f"{short(theirs[-1].filename)}, line {theirs[-1].lineno}: " if theirs else ""
+    place = f"{short(str(file))}: " if file else ""
+    if theirs:
+        place = f"{short(theirs[-1].filename)}, line {theirs[-1].lineno}: "
     return f"{place}{type(error).__name__}: {words}"
 
 

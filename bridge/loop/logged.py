@@ -52,8 +52,8 @@ class Logged:
             raise self._wrong(f"{len(given)} signals at {_time(stamp)} are too many: log at most {MOST}")
         for name in given:
             if not (isinstance(name, str) and name.isidentifier() and name.isascii() and len(name) <= LONGEST):
-                valid = f"letters, digits and _, at most {LONGEST}, such as 'integral'"
-                raise self._wrong(f"signal {in_words(name)} at {_time(stamp)} has a name that is not one: {valid}")
+                valid = f"a name is letters, digits and _, at most {LONGEST}, such as 'integral'"
+                raise self._wrong(f"signal {in_words(name)} at {_time(stamp)}: {valid}")
             if name in TAKEN:
                 raise self._wrong(f"signal {name!r} at {_time(stamp)}: every message has a field of that name")
         return {name: self._unit(name, entry, stamp) for name, entry in given.items()}
