@@ -30,7 +30,7 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
     ),
     "controller": (
         (
-            *("bands", "grid", "hold", "law", "laws", "linear_system", "metrics", "oscillation"),
+            *("bands", "course", "grid", "hold", "law", "laws", "linear_system", "metrics", "oscillation"),
             *("pid", "reference", "state_space", "stretches", "tracking", "window"),
         ),
         ("stability",),

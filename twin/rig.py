@@ -203,6 +203,20 @@ RIG: dict[str, dict[str, Entry]] = {
     "pipe_6": _pipe(1.4, hose=True),
 }
 
+PIPES_BUILT = [f"pipe_{i}.{name}" for i in range(1, 7) for name in ("length", "diameter", "wall", "young")]
+BUILT_IN = {  # numbers that stay while the rig runs: why
+    **dict.fromkeys(("oil.density", "oil.vapour_pressure"), "the oil in the circuit is counted by it"),
+    **dict.fromkeys(("load.added", "load.added_at", "load.contact_time"), "change load.mass or load.force instead"),
+    **dict.fromkeys(("cylinder.bore", "cylinder.rod", "cylinder.stroke"), "it is the rig's geometry"),
+    **dict.fromkeys(("cylinder.dead_upper", "cylinder.dead_lower"), "it is the rig's geometry"),
+    **dict.fromkeys(PIPES_BUILT, "it is the rig's geometry"),
+    "valve.full_scale": "the volts of the controller's gains are counted by it",
+    **dict.fromkeys(("pump.width", "pump.module", "pump.teeth", "pump.pressure_angle"), "it is the rig's geometry"),
+    "pump.run_up": "it says how the run starts",
+    "relief.channel_volume": "it is the rig's geometry",
+    **{f"chatter.{name}": "only the valve's theory reads it" for name in RIG["chatter"]},
+}
+
 
 def values(overrides: Values | None = None) -> dict[str, dict[str, Any]]:
     """The rig's numbers and words, with a scenario's own in place of some."""

@@ -115,5 +115,18 @@ VERBS = {
         PROCESSES, "processes:router", "Route between machines until interrupted; plants and clients use --connect."
     ),
     "reset": Verb(PROCESSES, "processes:reset", "Bring a plant out of its safe state."),
+    "get": Verb(
+        PROCESSES, "tuning:get", "Print numbers that can change while a rig runs: their values now, units and limits."
+    ),
+    "set": Verb(
+        PROCESSES,
+        "tuning:set_",
+        "Change numbers of a rig that runs, all of them or none; the recording keeps each change with its instant.",
+    ),
+    "watch": Verb(
+        PROCESSES,
+        "tuning:watch",
+        "Show position, reference, pressures and valve of a rig that runs, and numbers that can change, until it ends.",
+    ),
     "valve": Verb(LOOK, "valve:app", "Static curves, seats and chatter of relief valves: docs/valves.md."),
 }

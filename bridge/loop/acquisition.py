@@ -20,6 +20,8 @@ class Acquisition:
         self._step = scenario.loop.step
         self._number, self._noise = 0, noise_block(scenario.seed, 0)
         self._row, self._reading = np.zeros(len(CHANNELS)), np.zeros(len(CHANNELS))
+        self._offset: NDArray[np.float64] | None = None  # of the transducers, once one of them has been changed
+        self._share = np.zeros(0)  # noise of each then [LSB rms]
         self._arguments = self.taps, self._row, self._card, self._step, self._reading
         self._acquire = entry(acquire, *self._arguments)  # compiled before the clock starts
 
@@ -29,5 +31,17 @@ class Acquisition:
         if number != self._number:
             self._number, self._noise = number, noise_block(self._seed, number)
         self._row[:] = self._noise[row]
+        if self._offset is not None:
+            np.add(self.taps, self._offset, out=self._arguments[0])
+            self._row *= self._share
         self._acquire(*self._arguments)
         return self._reading
+
+    def tune(self, channel: str, what: str, value: float) -> None:
+        """From now on: the `offset` [SI] of a channel's transducer, or its `noise` [LSB rms]."""
+        if self._offset is None:
+            self._offset, self._share = np.zeros(len(CHANNELS)), np.full(len(CHANNELS), self._card.noise)
+            own = self.taps.copy(), self._row, self._card._replace(noise=1.0), self._step, self._reading
+            self._arguments, self._acquire = own, entry(acquire, *own)
+        target = self._offset if what == "offset" else self._share
+        target[[*CHANNELS].index(channel)] = value

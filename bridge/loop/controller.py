@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from bridge.loop.controller_tuning import ControllerTuning
 from bridge.loop.law import law_of
 from bridge.loop.law_messages import LawMessages
 from bridge.scenario import Scenario
@@ -29,6 +30,7 @@ class ControllerSide:
         self.follows = scenario.controller.follows
         self.own = LawMessages(source, self.law.name)  # what the law has logged and printed
         self._sent = 0
+        self._tuning = ControllerTuning(scenario)
         self._memory: Any = None
 
     @property
@@ -58,7 +60,12 @@ class ControllerSide:
         ]
 
     def heed(self, event: Any) -> list[Outgoing]:
-        """Tell the law when its commands do not act any more, and when they act again; what it prints at that."""
+        """Tell the law when its commands do not act any more, and when they act again; what it prints at that.
+
+        And take changes of its numbers.
+        """
+        if event.kind == EventKind.CHANGED:
+            self._tuning.heed(event.text, event.command, event.apply_at)
         hooks = {EventKind.SAFE: self.law.on_safe_state}
         hooks |= dict.fromkeys((EventKind.RESET, EventKind.RESUMED), self.law.on_resume)
         if event.kind not in hooks:
@@ -67,9 +74,15 @@ class ControllerSide:
         self._memory = self.own.hear(event.stamp, hooks[event.kind], self._memory)
         return self.own.take()
 
+    def learn(self, text: str, entry: int, apply_at: int) -> None:
+        """Take a change that the plant told before this controller came."""
+        self._tuning.heed(text, entry, apply_at)
+
     def decide(self, sample: Sample) -> tuple[float, Target]:
         """The spool reference for the next sample, and the target it is after."""
         stamp = sample.stamp_ns
+        if (changed := self._tuning.changed(stamp)) is not None:
+            self.gains = self.law.prepare(law_gains(changed))
         target = self.target(stamp)
         spool, self._memory, *signals = self.own.hear(stamp, self.law.answer, sample, target, self._memory, self.gains)
         self.own.log(stamp, *signals)
@@ -77,7 +90,7 @@ class ControllerSide:
 
     def target(self, stamp: int) -> Target:
         """What the law is after at a stamp [ns]."""
-        return evaluate(self.reference, stamp / NS)
+        return self._tuning.target(evaluate(self.reference, stamp / NS), stamp)
 
 
 def sample_of(stamp: int, readings: Mapping[str, Any]) -> Sample:

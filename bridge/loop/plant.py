@@ -4,6 +4,7 @@ No clock, no network: `tick` is called when it is time, `receive` when something
 plant process run this same code.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,12 @@ from numpy.typing import NDArray
 from bridge.loop.acquisition import Acquisition
 from bridge.loop.inlet import SAFE, Inlet, Note
 from bridge.loop.line_profiles import LineProfiles
+from bridge.loop.live_reference import LiveReference
+from bridge.loop.plant_tuning import PlantTuning
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
+from bridge.scenario.references import Live
+from bridge.scenario.tunable import REFERENCE, Tunable
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
 from bridge.wire.events import silence
 from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap
@@ -22,6 +27,8 @@ from controller.grid import NS, last_due, next_sample
 from twin.circuit.block import block_of, compiled
 from twin.sensors import put_out
 from twin.topology import CHANNELS, OBSERVED, PRESSURES
+
+SEEN_AT = {name: place for place, name in enumerate(OBSERVED)}
 
 
 class PlantSide:
@@ -42,6 +49,8 @@ class PlantSide:
         self._acquisition = Acquisition(scenario)
         self._observed = np.zeros(len(OBSERVED))
         self._lines = LineProfiles(run_id, self._circuit)
+        self._tuning = PlantTuning(scenario, self._circuit, self._state, self._acquisition, self._tell)
+        self._live = LiveReference(scenario.reference) if isinstance(scenario.reference, Live) else None
         self._reference = SAFE  # that acts on the spool
         self._run(SAFE, 0)
         self.measurement: Any = None
@@ -58,7 +67,8 @@ class PlantSide:
 
     def start(self) -> list[Outgoing]:
         """The messages of tick 0: the rig at rest."""
-        self._run(self.inlet.value, 0)
+        for _ in self._tuning.cut(0, 0):
+            self._run(self.inlet.value, 0)
         self._acquisition.taps[0] = self._acquisition.taps[1]
         self.inlet.note(EventKind.STARTED, f"scenario {self.scenario.name}, {self.scenario.duration:g} s")
         return self._messages()
@@ -91,11 +101,35 @@ class PlantSide:
         """Leave the safe state because somebody says so."""
         self.inlet.reset(self.now)
 
+    def set(self, numbers: Mapping[str, float], over: int = 0) -> dict[str, int]:
+        """Change numbers (SI) because somebody says so, at once or over a time [ns]; from when on each acts [ns].
+
+        Raises ScenarioError, and changes none, where the rig cannot be so.
+        """
+        return self._tuning.set(numbers, self.now, over)
+
+    def aim(self, target: float | None) -> None:
+        """Take the newest target of a live reference [m], None without a new one; call once before each tick."""
+        if self._live is not None:
+            aim = self._live.aim(target, self.now, self._tuning.value(REFERENCE, self.now))
+            if aim is not None:
+                self.set({REFERENCE: aim.position}, aim.over)
+
+    def values(self) -> dict[str, tuple[Tunable, float]]:
+        """The numbers that may change, and what they are now, SI."""
+        return {name: (entry, self._tuning.value(name, self.now)) for name, entry in self._tuning.known().items()}
+
+    @property
+    def said(self) -> list[dict[str, Any]]:
+        """Changes that a controller which comes now has to be told of."""
+        return self._tuning.said
+
     def tick(self, lean: bool = False) -> list[Outgoing]:
         """Integrate the block that has just passed and return its messages; `lean`: the measurement alone."""
         begin, end = self.now, self.now + self.grid.daq
         for segment in self.inlet.segments(begin, end):
-            self._run(segment.value, (segment.end - segment.begin) // self.grid.step)
+            for first, last in self._tuning.cut(segment.begin, segment.end):
+                self._run(segment.value, (last - first) // self.grid.step)
         self.tick_number += 1
         return [self._measure()] if lean else self._messages()
 
@@ -133,12 +167,24 @@ class PlantSide:
 
     def _messages(self) -> list[Outgoing]:
         out = [self._measure(), self._true_state()]
+        self._tuning.watch(self.now, self._signal)
         if self.tick_number % self._viewer_ticks == 0:
             out += self._viewer_messages()
         return out + self._drain()
 
     def _drain(self) -> list[Outgoing]:
-        return [self._event(note) for note in self.inlet.notes()]
+        notes = self.inlet.notes()
+        if notes:
+            self._tuning.heard(self.now, {note.kind for note in notes})
+        return [self._event(note) for note in (*notes, *self.inlet.notes())]
+
+    def _tell(self, text: str, entry: int, apply_at: int) -> None:
+        self.inlet.note(EventKind.CHANGED, text, command=entry, apply_at=apply_at)
+
+    def _signal(self, name: str) -> float:
+        """A true value, or what the card read where only that has the name."""
+        at = SEEN_AT.get(name)
+        return getattr(self.measurement, name) if at is None else float(self._observed[at])
 
     def _event(self, note: Note) -> Outgoing:
         sequence = self._count("event")
@@ -146,6 +192,7 @@ class PlantSide:
         return Outgoing("event", self.now, sequence, event)
 
     def _measure(self) -> Outgoing:
+        self._tuning.sense(self.now)
         reading = dict(zip(CHANNELS, self._acquisition.read(self.tick_number).tolist(), strict=True))
         sequence = self._count("measurement")
         self.measurement = Measurement(

@@ -71,7 +71,10 @@ class ControllerProcess:
         self._introduced = run_id
         told = self.bus.ask("scenario", ASKING, self.stop)
         with suppress(ValueError, KeyError, TypeError):  # a foreign plant's answer may be anything
-            words = difference(self._scenario, json.loads(told or b"{}")["scenario"])
+            answer = json.loads(told or b"{}")
+            words = difference(self._scenario, answer["scenario"])
+            for change in answer.get("changed", []):
+                self.side.learn(change["text"], int(change["command"]), int(change["apply_at"]))
             if words:
                 self._narrator.say(f"this controller runs {words}")
             digest = {DIGEST: float(digest_of(self._scenario))}
@@ -113,7 +116,7 @@ class ControllerProcess:
                 self._told.add(reason)
                 way_out = "; leave the safe state with `hydrotwin reset`" if reason == Reason.LATCHED else ""
                 self._narrator.say(f"{when}the plant refuses our command: {event.text}{way_out}")
-        elif event.kind in (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED):
+        elif event.kind in (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.CHANGED):
             self._narrator.say(f"{when}plant: {event.text}")
 
     def _is_refused(self, event: Any) -> bool:

@@ -5,18 +5,21 @@ import os
 import queue
 import time
 from collections.abc import Iterator
+from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from bridge.errors import RunError
+from bridge.errors import RunError, ScenarioError, UsageError
 from bridge.loop.plant import PlantSide
 from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
 from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop, prepare
+from bridge.processes.parameters import Asked, asked_for, described, target_of
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.law_file import law_facts
+from bridge.scenario.references import Live
 from bridge.scenario.sameness import DIGEST, digest_of
 from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, decode, ready
@@ -30,6 +33,7 @@ STATUS_PERIOD = 100_000_000  # [ns] of wall time
 SETTLING = 2.0  # seconds in which a plant that started at the same instant may still be found
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
 LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
+SETTING = 2.0  # seconds for the loop to take what somebody sets
 LINGER = 5.0  # seconds that partners get to finish
 
 
@@ -59,6 +63,13 @@ class Command(NamedTuple):
     came: int
 
 
+class Settings(NamedTuple):
+    """Numbers that somebody sets, and where the answer goes."""
+
+    asked: Asked
+    answer: Future[dict[str, Any]]
+
+
 class PlantProcess:
     """One run of a plant on a bus."""
 
@@ -69,7 +80,7 @@ class PlantProcess:
         self.stop = Stop()
         self.side = PlantSide(scenario, options.run_id)
         self.pace: Pace | None = None  # None before the first tick, and in lockstep
-        self._commands: queue.SimpleQueue[Command | None] = queue.SimpleQueue()
+        self._commands: queue.SimpleQueue[Command | Settings | None] = queue.SimpleQueue()
         self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
         self._status_due = 0
         self._timings = 0
@@ -82,8 +93,13 @@ class PlantProcess:
         ready("status")
         bus.subscribe("status", self._on_status)
         bus.answer("scenario", self._manifest)
+        bus.serve("parameters", self._parameters)
+        bus.serve("parameters/set", self._set)
         ready("command")
         bus.subscribe("command", self._on_command)
+        self._targets: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        if isinstance(scenario.reference, Live):
+            bus.subscribe("target", lambda sample: self._targets.put(sample.payload.to_bytes()))
         bus.subscribe("reset", lambda *_: self._commands.put(None))
         bus.watch()
         bus.announce()
@@ -118,6 +134,7 @@ class PlantProcess:
         self._publish(self.side.start())
         while self.side.tick_number < self.scenario.ticks and not self.stop():
             if self._await_command():
+                self._aim()
                 self._publish(self.side.tick())
             self._report_when_due(time.monotonic_ns())
         self._take_last()
@@ -161,6 +178,7 @@ class PlantProcess:
         latest = 0
         for tick in ticks(period):
             trip, slack = self._take_commands(tick.due, period)
+            self._aim()
             self._publish(self.side.tick(), time.monotonic_ns())
             overruns.add(tick.lateness, tick.number * period)
             latest = max(latest, tick.lateness)
@@ -178,24 +196,69 @@ class PlantProcess:
         trip, slack = -1, 0
         for command in self._arrived():
             taken = self._handle(command)
-            if taken is not None and command is not None and taken.sample_stamp in self._sent:
+            if taken is not None and isinstance(command, Command) and taken.sample_stamp in self._sent:
                 trip = command.came - self._sent.pop(taken.sample_stamp)
                 blocks_ahead = (taken.apply_at - self.side.now) // self.side.grid.daq
                 slack = due + round(blocks_ahead * period) - command.came
         return trip, slack
 
-    def _arrived(self) -> Iterator[Command | None]:
+    def _arrived(self) -> Iterator[Command | Settings | None]:
         while True:
             try:
                 yield self._commands.get_nowait()
             except queue.Empty:
                 return
 
-    def _handle(self, command: Command | None) -> Any:
+    def _handle(self, command: Command | Settings | None) -> Any:
+        if isinstance(command, Settings):
+            self._take_settings(command)
+            return None
         if command is None:
             self.side.reset()
             return None
         return self.side.receive(command.sample.payload.to_bytes(), claimed_type(command.sample))
+
+    def _aim(self) -> None:
+        """Hand the newest target of a live reference in."""
+        target = None
+        while not self._targets.empty():
+            try:
+                target = target_of(self._targets.get())
+            except ValueError as error:
+                self._narrator.say(f"target refused: {error}")
+        self.side.aim(target)
+
+    def _take_settings(self, settings: Settings) -> None:
+        if not settings.answer.set_running_or_notify_cancel():
+            return  # whoever asked has been told that the plant does not answer
+        try:
+            begins = self.side.set(settings.asked.numbers, settings.asked.over)
+        except ScenarioError as error:
+            settings.answer.set_result({"refused": str(error)})
+        else:
+            units = {name: self.side.values()[name][0].unit for name in begins}
+            settings.answer.set_result({"set": settings.asked.numbers, "units": units, "apply_at": begins})
+
+    def _set(self, payload: bytes) -> bytes:
+        """In Zenoh's thread: check what somebody sets and hand it to the loop; the answer, as JSON."""
+        try:
+            settings = Settings(asked_for(payload, self.scenario), Future())
+        except UsageError as error:
+            return json.dumps({"refused": str(error)}).encode()
+        self._commands.put(settings)
+        try:
+            return json.dumps(settings.answer.result(SETTING)).encode()
+        except (TimeoutError, CancelledError):
+            settings.answer.cancel()
+            return json.dumps({"refused": "the plant does not take it now: it waits, or has ended"}).encode()
+
+    def _parameters(self, payload: bytes) -> bytes:
+        """In Zenoh's thread: the numbers that may change, as JSON; the payload is a list of names, or empty."""
+        try:
+            found = described(self.side.values(), payload)
+        except UsageError as error:
+            found = {"refused": str(error)}
+        return json.dumps(found | {"stamp": self.side.now}).encode()
 
     def _on_status(self, sample: Any) -> None:
         """In Zenoh's thread: does a controller run another scenario?"""
@@ -226,6 +289,8 @@ class PlantProcess:
         if event.kind == EventKind.SAFE:
             way_out = "leave with `hydrotwin reset`" if self.side.inlet.latched else "left by the first valid command"
             self._narrator.say(f"{when}safe state, {way_out}: {event.text}")
+        if event.kind == EventKind.CHANGED and not isinstance(self.scenario.reference, Live):
+            self._narrator.say(f"{when}{event.text}, from {event.apply_at / NS:g} s on")
         if event.kind in (EventKind.RESET, EventKind.RESUMED, EventKind.DIFFERS, EventKind.ENDED):
             self._narrator.say(f"{when}{event.text}")
 
@@ -285,6 +350,7 @@ class PlantProcess:
             "speed": self.options.speed,
             "scenario": self.scenario.model_dump(mode="json"),
             "tick": self.side.tick_number,
+            "changed": self.side.said,
             **self._facts,
         }
         return json.dumps(facts).encode()

@@ -1,16 +1,17 @@
 """A run's signals on one time base, for metrics and pictures."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
+from bridge.scenario.courses import reference_course
 from controller.grid import NS
 from controller.metrics import Signals
-from controller.reference import evaluate
 from twin.topology import CAVITIES
 
 SAME = 1e-9  # [m] between a reference as published and as evaluated again
@@ -38,19 +39,24 @@ def followed(recording: Recording, scenario: Scenario, time: np.ndarray) -> np.n
     """
     published = recording.columns("reference")
     stamps, positions = published["stamp"], published["position"]
-    if not len(stamps) or np.allclose(positions, reference_at(stamps / NS, scenario), 0.0, SAME, equal_nan=True):
-        return reference_at(time, scenario)
+    events = recording.messages("event") if "event" in recording.counts else []
+    own = reference_at(stamps / NS, scenario, events)
+    if not len(stamps) or np.allclose(positions, own, 0.0, SAME, equal_nan=True):
+        return reference_at(time, scenario, events)
     order = np.argsort(stamps, kind="stable")
     latest = np.searchsorted(stamps[order] / NS, time + 1e-10, side="right") - 1
     return positions[order][np.maximum(latest, 0)]
 
 
-def reference_at(time: np.ndarray, scenario: Scenario) -> np.ndarray:
-    """The scenario's position reference [m] at times [s]; NaN where the law follows none."""
+def reference_at(time: np.ndarray, scenario: Scenario, events: Iterable[Any] = ()) -> np.ndarray:
+    """The scenario's position reference [m] at times [s]; NaN where the law follows none.
+
+    events: of the run, which may have changed it.
+    """
     if not scenario.controller.follows:
         return np.full(len(time), np.nan)
-    reference = scenario.reference.reference()
-    return np.array([evaluate(reference, float(t)).position for t in time])
+    course = reference_course(scenario, events)
+    return np.array([course.at(round(t * NS)).value for t in time.tolist()])
 
 
 def sine_of(scenario: Scenario) -> float:

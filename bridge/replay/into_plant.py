@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from bridge.errors import UsageError
 from bridge.loop.plant import PlantSide
 from bridge.recording.reader import Recording
-from bridge.replay.schedule import schedule
+from bridge.replay.schedule import Input, schedule
 from bridge.scenario import Scenario
 from bridge.wire.messages import EventKind, Outgoing
 
@@ -20,14 +20,21 @@ def through_plant(recording: Recording, scenario: Scenario) -> Iterator[list[Out
     while side.tick_number < ticks:
         yield out
         while following is not None and following.instant <= side.now:
-            if following.command is None:
-                side.reset()
-            else:
-                side.take(following.command)
+            _hand_in(following, side)
             following = next(inputs, None)
         out = side.tick()
     ended = [event.text for event in recording.messages("event") if event.kind == EventKind.ENDED]
     yield out + (side.finish(ended[0]) if ended else [])
+
+
+def _hand_in(given: Input, side: PlantSide) -> None:
+    if given.setting is not None:
+        name, value, over = given.setting
+        side.set({name: value}, over)
+    elif given.command is None:
+        side.reset()
+    else:
+        side.take(given.command)
 
 
 def _ticks(recording: Recording, scenario: Scenario) -> int:

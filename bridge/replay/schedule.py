@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
-from bridge.wire.events import missed_by, silent_since
+from bridge.wire.events import is_setting, missed_by, setting_of, silent_since
 from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
 
@@ -19,7 +19,8 @@ class Input(NamedTuple):
     """Something to hand in once the plant has reached an instant [ns]."""
 
     instant: int
-    command: Any  # None: a reset
+    command: Any  # None: a reset, or a setting
+    setting: tuple[str, float, int] | None = None  # name, number and time [ns] that somebody has set
 
 
 class Latch(NamedTuple):
@@ -38,6 +39,7 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     known |= {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
     latches = list(_latches(events, scenario, grid))
     inputs = [Input(e.stamp - grid.daq, None) for e in events if e.kind == EventKind.RESET]
+    inputs += [Input(e.stamp - grid.daq, None, setting_of(e.text)) for e in events if is_setting(e)]
     reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
     for command in commands:
         name = command.source, command.sequence

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.drawing.colours import LIGHT
+from bridge.recording.changes import changes, mark
 from bridge.recording.shown import GROUPS, MEASURED, Curve, Group
 from bridge.report.subject import Run
 from bridge.report.thin import thinned
@@ -67,6 +68,7 @@ def _single(group: Group, run: Run) -> Any:
         )
     for line in group.curves:
         _plot(axis, run, line, group.scale, line.label, LIGHT[line.colour])
+    mark(axis, changes(run.recording))
     _finish(axis, group.axis, run.time[-1])
     return figure
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bridge.drawing.colours import LIGHT
+from bridge.recording.changes import caption, changes, mark, number
 from bridge.recording.columns import followed, relief_moved, vapour
 from bridge.recording.reader import Recording
 from bridge.recording.shown import GROUPS, MEASURED
@@ -37,12 +38,17 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
     axes = figure.subplots(len(heights), 1, height_ratios=heights)
     time = state["stamp"] / NS
     state["followed"] = followed(recording, scenario, time)
+    changed = changes(recording)
     for axis, row in zip(axes, rows, strict=False):
         row(axis, time, state, scenario)
+        mark(axis, changed)
         axis.set_xlim(0.0, time[-1])
         axis.grid(alpha=0.3)
         axis.tick_params(labelbottom=row is rows[-1])
     axes[len(rows) - 1].set_xlabel("time [s]")
+    number(axes[0], changed)
+    if changed:
+        figure.supxlabel(caption(changed), x=0.01, ha="left", fontsize="small", parse_math=False)
     figure.align_ylabels(axes)
     if len(timing["tick"]):
         _lateness(axes[-1], timing)

@@ -3,6 +3,7 @@
 import json
 import tomllib
 from collections.abc import Collection
+from contextlib import suppress
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -156,7 +157,10 @@ def apply(data: dict[str, Any], change: str) -> None:
 
 
 def _value(text: str) -> Any:
-    try:
+    """What stands behind the sign: TOML, JSON, or a text without its quotes."""
+    with suppress(tomllib.TOMLDecodeError):
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text.strip()
+    if text.strip()[:1] in ("[", "{"):
+        with suppress(json.JSONDecodeError):
+            return json.loads(text)
+    return text.strip()

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model, model_validator
 
+from bridge.errors import ScenarioError
 from bridge.scenario.bands import parse_band
 from bridge.scenario.controllers import Controller, Pd
 from bridge.scenario.fields import (
@@ -22,6 +23,7 @@ from bridge.scenario.files import DURATION
 from bridge.scenario.reach import refuse_far
 from bridge.scenario.references import Reference
 from bridge.scenario.requirements import Expectation, Expected
+from bridge.scenario.timeline import Happening, plan
 from controller.grid import NS, Sampling, sampling
 from twin.rig import RIG, Choice, Entry, values
 from twin.topology import CHANNELS
@@ -142,6 +144,7 @@ class Scenario(Part):
     real_time: RealTime = RealTime()
     allowed: Allowed = Allowed()
     rig: RigParts = Field(default_factory=_rig)
+    timeline: list[Happening] = Field(default=[], description="what happens while it runs, docs/timeline.md")
     expect: list[Expectation] = Field(
         default=[], description='such as "overshoot <= 5 %", "limit cycle: none"; or {id, text, band} of a requirement'
     )
@@ -166,6 +169,10 @@ class Scenario(Part):
         for expected in self.expected:
             parse_band(expected.band)
         self.reference.reference()
+        try:
+            plan(self)
+        except ScenarioError as error:
+            raise ValueError(str(error)) from None
         return self
 
     @property

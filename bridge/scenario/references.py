@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from bridge.scenario.fields import Hertz, Metres, Part, Seconds, Speed
 from controller import reference as references
@@ -82,5 +82,25 @@ class Table(Part):
         return references.table_from_csv(self.csv)
 
 
-AnyReference = Constant | Step | Square | Ramp | Sine | Chirp | Table
+class Live(Part):
+    """Targets come while the loop runs: anybody may publish them on <rig>/target."""
+
+    kind: Literal["live"]
+    value: Metres = Field(description="before the first target [m]")
+    rate: Speed = Field(default=0.2, gt=0.0, description="at which the reference goes to a target")
+    low: Metres = Field(default=0.0, description="targets below count as this")
+    high: Metres = Field(default=0.27, description="targets above count as this")
+    timeout: Seconds = Field(default=0.5, gt=0.0, description="silence after which the reference stays where it is")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "Live":
+        if not self.low <= self.value <= self.high:
+            raise ValueError(f"value {self.value:g} m must lie between low {self.low:g} m and high {self.high:g} m")
+        return self
+
+    def reference(self) -> references.Reference:
+        return references.Constant(self.value)
+
+
+AnyReference = Constant | Step | Square | Ramp | Sine | Chirp | Table | Live
 Reference = Annotated[AnyReference, Field(discriminator="kind")]

@@ -108,6 +108,23 @@ class Bus:
         handler = zenoh.handlers.Callback(on_query, indirect=True)
         self._declared.append(self.session.declare_queryable(key, handler))
 
+    def serve(self, name: str, reply: Callable[[bytes], bytes]) -> None:
+        """Answer queries with a payload for a name below the rig's, in a thread that may wait."""
+        key = f"{self.rig_name}/{name}"
+
+        def on_query(query: Any) -> None:
+            query.reply(key, reply(b"" if query.payload is None else query.payload.to_bytes()))
+
+        handler = zenoh.handlers.Callback(on_query, indirect=True)
+        self._declared.append(self.session.declare_queryable(key, handler))
+
+    def request(self, name: str, payload: bytes, patience: float) -> bytes | None:
+        """The answer to a query with a payload, None when nobody gives one in `patience` seconds."""
+        for reply in self.session.get(f"{self.rig_name}/{name}", payload=payload, timeout=patience):
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes()
+        return None
+
     def ask(self, name: str, patience: float, stopped: Callable[[], bool] = lambda: False) -> bytes | None:
         """The first answer to a query, None when nobody gives one in `patience` seconds."""
         deadline = time.monotonic() + patience

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from bridge.wire.messages import Ending, Reason
+from bridge.wire.messages import Ending, EventKind, Reason
 
 
 def refusal(reason: Reason, text: str) -> str:
@@ -49,3 +49,25 @@ def line_of_law(event: Any) -> str:
 def ending_of(text: str) -> Ending:
     """How a run ended, by the text of its `ended` event or of its summary."""
     return next((ending for ending in Ending if text.startswith(ending)), Ending.CUT_OFF)
+
+
+def setting(name: str, value: float, over: int = 0) -> str:
+    """The text of a `changed` event of a number that somebody has set, in SI, and how long it takes to be so [ns]."""
+    return f"{name} = {value!r}{f' over {over} ns' if over else ''}"
+
+
+def is_setting(event: Any) -> bool:
+    """Does an event say what somebody has set, and not what the timeline has changed?"""
+    return event.kind == EventKind.CHANGED and not event.command
+
+
+def setting_of(text: str) -> tuple[str, float, int]:
+    """Name, number and time [ns] in the text of such an event."""
+    name, _, words = text.partition(" = ")
+    value, _, over = words.partition(" over ")
+    return name, float(value), int(over.removesuffix(" ns") or 0)
+
+
+def timeline_entry(number: int, words: str) -> str:
+    """The text of a `changed` event of the timeline; the number stands in its field `command`, too."""
+    return f"timeline {number}: {words}"

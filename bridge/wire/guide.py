@@ -53,4 +53,9 @@ A controller of your own, in any language that has Zenoh:
     or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment; the sequence goes on counting.
  9. The run is over when <rig>/status comes with role plant and another phase than running or safe. If the plant dies no
     status comes: its liveliness token <rig>/alive/plant/* is gone then.
+
+Numbers may change while the loop runs. `changed` on <rig>/event says which and from when on (apply_at, ns); its text is
+"NAME = VALUE" in SI, and perhaps "over N ns", for what somebody has set, and "timeline K: ..." for the scenario's own
+timeline, where K is the field command. A query to <rig>/parameters lists the numbers, one to <rig>/parameters/set with
+the payload {{"set": {{"NAME": VALUE}}}} changes them.
 """

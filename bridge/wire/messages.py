@@ -55,6 +55,7 @@ class EventKind(StrEnum):
     SAFE = "safe"
     RESET = "reset"
     RESUMED = "resumed"
+    CHANGED = "changed"  # a number of the rig or of the controller: by the timeline, or set by somebody
     DIFFERS = "differs"  # a controller runs another scenario than the plant
     SAID = "said"  # a law has printed or logged a line: the only one of a controller, on a topic of its own
 

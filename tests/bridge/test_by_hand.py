@@ -94,7 +94,8 @@ def test_the_guide_to_a_controller_of_ones_own_is_true():
     assert struct.calcsize("<qQ") == STAMP.size == 16
     assert "struct` <qQ" in GUIDE
     named = {word.partition("/")[2].strip(":;,.") for word in GUIDE.split() if word.startswith("<rig>/")}
-    assert named - set(TOPICS) == {"scenario", f"{TOKEN}/NUMBER", "alive/plant/*"}
+    own = {"scenario", "parameters", "parameters/set", f"{TOKEN}/NUMBER", "alive/plant/*"}
+    assert named - set(TOPICS) == own
     assert all(reason in GUIDE for reason in Reason)
     scenario = load("step").model_dump()
     keys = {"sample_period", "offset", "delay", "daq_period", "step", "command_timeout", "after_timeout"}

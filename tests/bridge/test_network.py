@@ -20,6 +20,7 @@ from bridge.wire.link import (
     names_addresses,
     open_session,
 )
+from tests.support.command import hydrotwin_here
 from tests.support.processes import (
     COARSE,
     ROOT,
@@ -109,6 +110,27 @@ def test_a_plant_with_access_control_lets_each_role_do_its_part(secured):
     endpoint = tls_endpoint()
     known = {name: ("--connect", endpoint, *user(name)) for name in ("recorder", "controller")}
     assert_whole(run_apart(secured, "lockstep", listening(endpoint, "access.json5"), known))
+
+
+def test_who_may_watch_may_not_tune(secured):
+    """The operator sets a number; the recorder's user reads it, and is not heard when it sets one."""
+    endpoint = tls_endpoint()
+    with started("plant", "step", "--set", "duration=60", *listening(endpoint, "access.json5"), cwd=secured):
+        tries = ("--connect", endpoint, *user("operator"))
+        done = wait_for(lambda: well(hydrotwin_here("set", "rig", "rig.load.force=100 N", *tries, cwd=secured)), 30)
+        assert "rig.load.force = 100" in done.stdout
+        watch = ("--connect", endpoint, *user("recorder"))
+        read_out = hydrotwin_here("get", "rig", "rig.load.force", "--json", *watch, cwd=secured)
+        assert json.loads(read_out.stdout)["parameters"][0]["value"] == 100.0
+        denied = hydrotwin_here("set", "rig", "rig.load.force=200 N", *watch, cwd=secured)
+        assert denied.returncode == 1
+        assert "no plant of rig 'rig' answers" in denied.stderr
+        read_out = hydrotwin_here("get", "rig", "rig.load.force", "--json", *tries, cwd=secured)
+        assert json.loads(read_out.stdout)["parameters"][0]["value"] == 100.0
+
+
+def well(done: subprocess.CompletedProcess[str]) -> subprocess.CompletedProcess[str] | None:
+    return done if done.returncode == 0 else None
 
 
 @pytest.mark.parametrize(

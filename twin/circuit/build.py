@@ -1,7 +1,7 @@
 """From the numbers of a rig to its circuit, or one line that says why there is none."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -26,8 +26,8 @@ from twin.switching_valve import SwitchingValve
 from twin.topology import PIPES
 
 Entries = Mapping[str, Any]
+REMEMBERED = 1000  # lines and screws of what was built before: both take some 40 ms
 BOTTOMLESS = -1e12  # [Pa], vapour pressure of oil that bears any tension
-REMEMBERED = 8  # fits, in a process: rigs that differ in other numbers have these in common
 
 
 def build(rig: Values, step: float) -> Circuit:
@@ -44,9 +44,9 @@ def build(rig: Values, step: float) -> Circuit:
         switching=_switching(rig["switching_valve"], oil),
         cylinder=_cylinder(rig["cylinder"], oil),
         seal=_seal(rig["seal"], oil),
-        stops=Stops(rig["cylinder"]["stroke"], rig["cylinder"]["restitution"], rig["cylinder"]["rest_speed"]),
+        stops=_stops(rig),
         load=_load(rig["load"]),
-        losses=_losses(rig["minor_losses"], pipes, oil.density),
+        losses=_losses(rig, oil),
         amplifiers=_amplifiers(rig["amplifier"], step),
         line_volume=sum(math.pi / 4.0 * pipe["diameter"] ** 2 * pipe["length"] for pipe in pipes),
     )
@@ -54,6 +54,61 @@ def build(rig: Values, step: float) -> Circuit:
     circuit = Circuit(parts, lines)
     refuse_coarse_step(circuit)
     return circuit
+
+
+def rebuild(circuit: Circuit, rig: Values, name: str) -> Circuit:
+    """The circuit after one number of its rig, "load.force", has changed while it runs; the rest is taken as it is.
+
+    Only a change of the setting turns the screw of the relief valve's pilot, and the areas of the valves stay when the
+    oil becomes warmer. Raises ValueError where the step is too coarse for the new number.
+    """
+    part = name.partition(".")[0]
+    if part == "oil":
+        then = _with_oil(circuit, rig)
+    elif name in SCREW:
+        then = _with_parts(circuit, {"relief": _relief(rig["relief"], circuit.parts.oil)})
+    else:
+        then = _with_parts(circuit, MADE[part](rig, circuit.parts))
+    refuse_coarse_step(then)
+    return then
+
+
+SCREW = ("relief.setting", "relief.setting_flow")
+MADE: dict[str, Callable[[Values, Parts], dict[str, Any]]] = {  # fields of Parts that one part of the rig makes
+    "pump": lambda rig, _: {"pump": _pump(rig["pump"])},
+    "relief": lambda rig, parts: {"relief": _as_screwed(rig, parts, parts.oil)},
+    "filter": lambda rig, _: {"fitting": _fitting(rig["filter"], rig["two_position_valve"])},
+    "two_position_valve": lambda rig, _: {"fitting": _fitting(rig["filter"], rig["two_position_valve"])},
+    "valve": lambda rig, parts: {"valve": _valve(rig["valve"], parts.oil, parts.step)},
+    "switching_valve": lambda rig, parts: {"switching": _switching(rig["switching_valve"], parts.oil)},
+    "cylinder": lambda rig, parts: {"cylinder": _cylinder(rig["cylinder"], parts.oil), "stops": _stops(rig)},
+    "seal": lambda rig, parts: {"seal": _seal(rig["seal"], parts.oil)},
+    "load": lambda rig, _: {"load": _load(rig["load"])},
+    "minor_losses": lambda rig, parts: {"losses": _losses(rig, parts.oil)},
+    "amplifier": lambda rig, parts: {"amplifiers": _amplifiers(rig["amplifier"], parts.step)},
+}
+
+
+def _with_parts(circuit: Circuit, fields: dict[str, Any]) -> Circuit:
+    return circuit._replace(parts=circuit.parts._replace(**fields))
+
+
+def _with_oil(circuit: Circuit, rig: Values) -> Circuit:
+    oil, step = _oil(rig), circuit.parts.step
+    fields = {
+        "oil": oil,
+        "relief": _as_screwed(rig, circuit.parts, oil),
+        "cylinder": _cylinder(rig["cylinder"], oil),
+        "seal": _seal(rig["seal"], oil),
+    }
+    lines = tuple(_line(rig[name], oil) for name in PIPES)
+    return _with_parts(circuit, fields)._replace(lines=_lines(lines, step, oil.vapour_pressure))
+
+
+def _as_screwed(rig: Values, parts: Parts, oil: Oil) -> Relief:
+    """The relief valve with the screw where it is."""
+    pilot = parts.relief.pilot
+    return relief(relief_sizes(rig["relief"], pilot.preload / pilot.stiffness), oil)
 
 
 def _oil(rig: Values) -> Oil:
@@ -143,19 +198,23 @@ def _cylinder(cylinder: Entries, oil: Oil) -> Cylinder:
     )
 
 
+def _stops(rig: Values) -> Stops:
+    cylinder = rig["cylinder"]
+    return Stops(cylinder["stroke"], cylinder["restitution"], cylinder["rest_speed"])
+
+
 def _seal(friction: Entries, oil: Oil) -> Seal:
     perimeter, viscosity = math.pi * friction["diameter"], oil.density * oil.viscosity
     law = friction["alpha"], friction["beta"], friction["limit"], friction["width"]
     return seal(*law, perimeter, friction["downward"], viscosity)
 
 
-def _losses(losses: Entries, pipes: Sequence[Entries], density: float) -> Losses:
+def _losses(rig: Values, oil: Oil) -> Losses:
+    losses = rig["minor_losses"]
     if losses["kind"] == "none":
         return NoLosses()
-    zetas = [losses[name] for name in PIPES]
-    return MinorLosses(
-        *(0.5 * loss_per_flow_squared(z, pipe["diameter"], density) for z, pipe in zip(zetas, pipes, strict=True))
-    )
+    sizes = [(losses[name], rig[name]["diameter"]) for name in PIPES]
+    return MinorLosses(*(0.5 * loss_per_flow_squared(zeta, diameter, oil.density) for zeta, diameter in sizes))
 
 
 def _amplifiers(amplifier: Entries, step: float) -> Amplifiers | Direct:

@@ -24,6 +24,7 @@ from twin.lines.friction import turbulence, turbulence_slope
 from twin.lines.spec import LineNumbers
 
 SIZE = 8  # of the memory of a line
+PRESSURES_AT = np.array([0, 1, 3, 4])  # in it
 NUMBERS = 4
 Z, PER_INERTANCE, RESISTANCE, PER_FLOW = range(NUMBERS)
 

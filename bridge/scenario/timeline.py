@@ -1,0 +1,188 @@
+"""What happens to a run while it goes on: `[[timeline]]` entries, in simulated time or on a condition."""
+
+import re
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+from pydantic import Field
+
+from bridge.errors import ScenarioError, nearest
+from bridge.scenario.fields import Hertz, Line, Part, Seconds
+from bridge.scenario.tunable import Tunable, difference_in_si, in_si, tunable, within
+from bridge.scenario.units import quantity
+from bridge.wire.messages import EventKind
+from controller.course import NEVER, Pulse, Ramp, Shape, Sine, Step, Table
+from controller.grid import NS, whole
+from twin.topology import CHANNELS, OBSERVED
+
+if TYPE_CHECKING:
+    from bridge.scenario.model import Scenario
+
+MOST_TIMES = 10_000
+CROSSED = re.compile(r"\s*(\w+)\s*([<>])\s*(.+?)\s*")
+SIGNALS = OBSERVED | {name: channel.unit for name, channel in CHANNELS.items() if name not in OBSERVED}
+EVENTS = (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.LATE, EventKind.MISSED, EventKind.REFUSED)
+Value = float | str
+
+
+class Happening(Part):
+    """One change of one number."""
+
+    set: str = Field(description="what changes: rig.load.force, sensor.p2.offset, controller.gain, reference, ...")
+    at: Seconds | None = Field(default=None, ge=0.0, description="when it begins, whole internal steps")
+    when: Line | None = Field(default=None, description='or on what: "p2 > 60 bar", "position < 50 mm", "safe"')
+    after: Seconds = Field(default=0.0, ge=0.0, description="how long after that it begins")
+    to: Value | None = Field(default=None, description="the new value")
+    over: Seconds | None = Field(default=None, gt=0.0, description="with `to`: a ramp that takes so long")
+    lasts: Seconds | None = Field(default=None, gt=0.0, description="with `to`: a pulse; of a sine: how long")
+    amplitude: Value | None = Field(default=None, description="of a sine on top of what goes on")
+    frequency: Hertz | None = Field(default=None, gt=0.0, description="of the sine")
+    table: list[tuple[Seconds, Value]] | None = Field(
+        default=None, min_length=2, description="pairs of a time from the beginning and a value, linear between them"
+    )
+    every: Seconds | None = Field(default=None, gt=0.0, description="with `at`: again so long after each beginning")
+    times: int = Field(default=1, ge=1, le=MOST_TIMES, description="how often it happens")
+
+
+class Crossing(NamedTuple):
+    """A signal goes past a limit."""
+
+    signal: str  # of SIGNALS
+    upwards: bool
+    limit: float  # SI
+
+
+class Item(NamedTuple):
+    """An entry, ready to act."""
+
+    number: int  # from 1, in the order of the scenario
+    target: Tunable
+    shape: Shape
+    begins: tuple[int, ...]  # [ns]; none of what waits for a condition
+    condition: Crossing | EventKind | None
+    after: int  # [ns]
+    times: int
+    words: str
+
+
+def plan(scenario: "Scenario") -> list[Item]:
+    """The entries of a scenario. Raises ScenarioError that names the entry, what is wrong and the way out."""
+    return [_item(number, entry, scenario) for number, entry in enumerate(scenario.timeline, 1)]
+
+
+def _item(number: int, entry: Happening, scenario: "Scenario") -> Item:
+    try:
+        target, step = tunable(entry.set, scenario), scenario.loop.grid().step
+
+        def instant(name: str, seconds: float) -> int:
+            return whole(name, seconds, "internal step", step)
+
+        shape, words = _shape(entry, target, scenario, instant)
+        begins, condition = _begins(entry, instant), None if entry.when is None else _condition(entry.when)
+        after = instant("after", entry.after)
+    except (ScenarioError, ValueError) as error:
+        raise ScenarioError(f"timeline {number}: {error}") from None
+    return Item(number, target, shape, begins, condition, after, entry.times, f"{entry.set} {words}")
+
+
+def _begins(entry: Happening, instant: Callable[[str, float], int]) -> tuple[int, ...]:
+    if (entry.at is None) == (entry.when is None):
+        raise ValueError('give either at = "2 s" or when = "p2 > 60 bar"')
+    if entry.at is None:
+        if entry.every is not None:
+            raise ValueError("every goes with at; on a condition, times says how often")
+        return ()
+    if (entry.times > 1) != (entry.every is not None):
+        raise ValueError('every and times go together: every = "1 s", times = 5')
+    first = instant("at", entry.at) + instant("after", entry.after)
+    period = instant("every", entry.every) if entry.every is not None else 0
+    return tuple(first + k * period for k in range(entry.times))
+
+
+def _condition(text: str) -> Crossing | EventKind:
+    if text in EVENTS:
+        return EventKind(text)
+    match = CROSSED.fullmatch(text)
+    if match is None:
+        raise ValueError(f"when {text!r}: write 'signal > value unit', or one of {', '.join(EVENTS)}")
+    if match[1] not in SIGNALS:
+        raise ValueError(f"when {text!r}: no signal {match[1]!r}{nearest(match[1], SIGNALS)}")
+    return Crossing(match[1], match[2] == ">", quantity(match[3], SIGNALS[match[1]]))
+
+
+Made = tuple[Shape, str]
+Instant = Callable[[str, float], int]
+
+
+def _shape(entry: Happening, target: Tunable, scenario: "Scenario", instant: Instant) -> Made:
+    given = {name for name in ("to", "over", "lasts", "amplitude", "frequency", "table") if getattr(entry, name)}
+    given |= {"to"} if entry.to is not None else set()
+    for keys, make in SHAPES.items():
+        if given in (set(required) for required in keys):
+            return make(entry, target, scenario, instant)
+    raise ValueError(
+        f"{', '.join(sorted(given)) or 'nothing'} given; write to (a step), to and over (a ramp), to and lasts (a "
+        "pulse), amplitude and frequency (a sine, lasts ends it), or table"
+    )
+
+
+def _said(value: Value | None, target: Tunable) -> str:
+    return value if isinstance(value, str) else f"{value:g} {target.unit}".rstrip()
+
+
+def _step(entry: Happening, target: Tunable, scenario: "Scenario", _: Instant) -> Made:
+    return Step(in_si(entry.to, target, scenario)), f"= {_said(entry.to, target)}"
+
+
+def _ramp(entry: Happening, target: Tunable, scenario: "Scenario", instant: Instant) -> Made:
+    over = instant("over", entry.over or 0.0)
+    return Ramp(in_si(entry.to, target, scenario), over), f"to {_said(entry.to, target)} over {over / NS:g} s"
+
+
+def _pulse(entry: Happening, target: Tunable, scenario: "Scenario", instant: Instant) -> Made:
+    lasts = instant("lasts", entry.lasts or 0.0)
+    return Pulse(in_si(entry.to, target, scenario), lasts), f"= {_said(entry.to, target)} for {lasts / NS:g} s"
+
+
+def _sine(entry: Happening, target: Tunable, scenario: "Scenario", instant: Instant) -> Made:
+    amplitude, frequency = difference_in_si(entry.amplitude, target, scenario), entry.frequency or 0.0
+    for other in _plain_values(target, scenario):
+        for reached in (other - amplitude, other + amplitude):
+            within(reached, target, scenario)
+    lasts = NEVER if entry.lasts is None else instant("lasts", entry.lasts)
+    end = "" if entry.lasts is None else f" for {lasts / NS:g} s"
+    return Sine(amplitude, frequency, lasts), f"+- {_said(entry.amplitude, target)} at {frequency:g} Hz{end}"
+
+
+def _table(entry: Happening, target: Tunable, scenario: "Scenario", instant: Instant) -> Made:
+    rows = entry.table or []
+    times = [instant("time", time) for time, _ in rows]
+    if times[0] != 0 or any(later <= earlier for earlier, later in pairwise(times)):
+        raise ValueError("table: times count from the beginning: the first is 0, and they increase")
+    values = tuple(in_si(value, target, scenario) for _, value in rows)
+    return Table(tuple(times), values), f"by a table of {times[-1] / NS:g} s"
+
+
+Keys = tuple[tuple[str, ...], ...]
+SHAPES: dict[Keys, Callable[[Happening, Tunable, "Scenario", Instant], Made]] = {
+    (("to",),): _step,
+    (("to", "over"),): _ramp,
+    (("to", "lasts"),): _pulse,
+    (("amplitude", "frequency"), ("amplitude", "frequency", "lasts")): _sine,
+    (("table",),): _table,
+}
+
+
+def _plain_values(target: Tunable, scenario: "Scenario") -> Iterator[float]:
+    """What a number is in the scenario, and what its other entries make it."""
+    yield target.value
+    for entry in scenario.timeline:
+        if entry.set == target.name:
+            yield from (in_si(entry.to, target, scenario),) if entry.to is not None else ()
+            yield from (in_si(value, target, scenario) for _, value in entry.table or [])
+
+
+def crosses(condition: Crossing, value: float) -> bool:
+    """Is a signal past its limit?"""
+    return value > condition.limit if condition.upwards else value < condition.limit
