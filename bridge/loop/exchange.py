@@ -18,7 +18,7 @@ def exchange(
     lean: bool = False,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Iterator[list[Outgoing]]:
-    """The messages of each tick, the controller's answers included; `lean`: measurements and answers alone."""
+    """The messages of each tick, the controller's answers included; `lean`: measurements, events and answers alone."""
     out = plant.start()
     while plant.tick_number < ticks and not stopped():
         yield out + answered(plant, controller, out)

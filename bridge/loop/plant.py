@@ -125,13 +125,17 @@ class PlantSide:
         return self._tuning.said
 
     def tick(self, lean: bool = False) -> list[Outgoing]:
-        """Integrate the block that has just passed and return its messages; `lean`: the measurement alone."""
+        """Integrate the block that has just passed and return its messages; `lean`: measurement and events alone."""
         begin, end = self.now, self.now + self.grid.daq
         for segment in self.inlet.segments(begin, end):
             for first, last in self._tuning.cut(segment.begin, segment.end):
                 self._run(segment.value, (last - first) // self.grid.step)
         self.tick_number += 1
-        return [self._measure()] if lean else self._messages()
+        if not lean:
+            return self._messages()
+        measured = self._measure()
+        self._tuning.watch(self.now, self._signal)
+        return [measured, *self._drain()]
 
     def status(self) -> PlantStatus:
         """How it is doing."""
