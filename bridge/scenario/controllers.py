@@ -1,15 +1,15 @@
 """The controllers a scenario can ask for, by `controller.kind`; each gives the numbers of its law in SI."""
 
 import math
-from keyword import iskeyword
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
 from bridge.errors import MisplacedError, nearest
 from bridge.scenario.fields import DerivativeGain, Fraction, IntegralGain, Part, ProportionalGain, Seconds, by_kind
 from bridge.scenario.law_file import c_file, with_kind
-from bridge.scenario.state_space import READS, SAME, Matrix, Signal, refuse_matrices
+from bridge.scenario.law_parameters import is_gain, only_numbers, parameters_of
+from bridge.scenario.state_space import FROM, READS, SAME, Matrix, Origin, Signal, refuse_matrices
 from bridge.scenario.units import si, split
 from controller import law as laws
 from controller.pid import BACK_CALCULATION, PidGains
@@ -191,13 +191,17 @@ class StateSpace(WithOverlap):
         "controller.inputs 'velocity' needs a tachometer: set daq.tachometer = true, or read 'position' instead"
     )
 
+    model_config = ConfigDict(json_schema_extra={"required": ["kind"]})  # the others may stand in a file
+
     kind: Literal["state-space"]
+    file: str = Field(default="", exclude=True, description=FROM)
     A: Matrix = Field(default=[], description="n rows of n numbers; none for a law without memory")
     B: Matrix = Field(default=[], description="n rows, a column per input")
     C: Matrix = Field(default=[[]], description="one row of n numbers")
     D: Matrix = Field(description="one row, a number per input")
     dt: Seconds = Field(gt=0.0, description="sampling period that the matrices are for; equals loop.sample_period")
     inputs: list[Signal] = Field(default=["error"], min_length=1, description=READS)
+    origin: Origin | None = Field(default=None, description="of the matrices, filled in when a file is read")
 
     @model_validator(mode="after")
     def _fits(self) -> "StateSpace":
@@ -233,43 +237,12 @@ def _function(name: str) -> str:
     raise ValueError(f"{name!r} names no function; write module:function or FILE.py:function")
 
 
-def _parameters(values: dict[str, Any]) -> dict[str, Any]:
-    for name, value in values.items():
-        if not name.isidentifier() or iskeyword(name):
-            raise ValueError(f"{name!r} is not a name of a parameter: letters, digits and _, not a digit first")
-        entries = value if isinstance(value, list) else [value]
-        if not all(isinstance(entry, bool | int | float | str) for entry in entries):
-            raise ValueError(f"{name} = {value!r}: a parameter is a number, a text, true or false, or a list of these")
-        for entry in entries:
-            if entry != entry:
-                raise ValueError(f"{name} is not a number; give one, or leave the parameter out")
-            if isinstance(entry, str) and not _is_gain(entry):
-                si(entry)
-    return values
-
-
-def only_numbers(values: dict[str, Any]) -> dict[str, Any]:
-    """Parameters of a law in C. Raises ValueError for one that is not a number."""
-    for name, value in values.items():
-        if isinstance(value, list) or (isinstance(value, str) and not _is_gain(value) and isinstance(si(value), str)):
-            raise ValueError(f"{name} = {value!r}: a law in C takes numbers; give one, or a text with a unit")
-    return values
-
-
-def _is_gain(text: str) -> bool:
-    """Is it in volts per % of the stroke?"""
-    try:
-        return split(text)[1] in ("V/%", "V s/%", "V/(% s)")
-    except ValueError:
-        return False
-
-
 class Python(PdGains):
     """A function of your own, which is given the gains, and parameters of its own."""
 
     kind: Literal["python"]
     law: Annotated[str, AfterValidator(_function)] = Field(description="module:function or FILE.py:function")
-    parameters: Annotated[dict[str, Any], AfterValidator(_parameters)] = Field(
+    parameters: Annotated[dict[str, Any], AfterValidator(parameters_of)] = Field(
         default={}, description="of the law, which reads gains.parameters.NAME; a text with a unit arrives in SI"
     )
 
@@ -288,7 +261,7 @@ def _plain(value: Any, scale: Scale) -> Any:
     if isinstance(value, list):
         return [_plain(entry, scale) for entry in value]
     if isinstance(value, str):
-        return scale.per_metre(value) if _is_gain(value) else si(value)
+        return scale.per_metre(value) if is_gain(value) else si(value)
     return value
 
 
@@ -300,7 +273,7 @@ class InC(WithOverlap):
     source: Annotated[str, AfterValidator(c_file)] = Field(
         default="", description="C file beside the scenario, compiled by the system's compiler; in place of library"
     )
-    parameters: Annotated[dict[str, Any], AfterValidator(_parameters), AfterValidator(only_numbers)] = Field(
+    parameters: Annotated[dict[str, Any], AfterValidator(parameters_of), AfterValidator(only_numbers)] = Field(
         default={}, description="of the law, which gets them as numbers; a text with a unit arrives in SI"
     )
 

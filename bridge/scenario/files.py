@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from bridge.errors import ScenarioError, nearest, reason
 from bridge.scenario.law_file import with_place
+from bridge.scenario.matrices_file import note_change, with_matrices, without_origin
 from bridge.scenario.units import quantity
 
 UNION_SECTIONS = ("controller", "reference")  # whose `kind` says what else stands in them
@@ -65,7 +66,7 @@ def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
         raise ScenarioError(f"{which}: cannot be read: {error}") from None
     if not isinstance(data, dict):
         raise ScenarioError(f"{which}: holds a {NAMES.get(type(data), 'value')}; a scenario is a table of sections")
-    data = with_place(with_tables(data, folder), folder)
+    data = with_place(with_matrices(with_tables(data, folder), folder), folder)
     bases = data.pop("extends", [])
     found: dict[str, Any] = {}
     for base in bases if isinstance(bases, list) else [bases]:
@@ -82,11 +83,17 @@ def _by_way_of(places: tuple[str, ...]) -> str:
 def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
     """Sections are merged, all else is replaced; of another kind's section only what the new kind knows is kept."""
     both = {
-        key: _merged(_of_kind(key, base[key], own[key].get("kind")), own[key])
+        key: _merged(_kept(key, base[key], own[key]), own[key])
         for key in own
         if isinstance(base.get(key), dict) and isinstance(own[key], dict)
     }
     return base | own | both
+
+
+def _kept(section: str, values: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """What a section takes over from the one that it extends."""
+    kept = _of_kind(section, values, own.get("kind"))
+    return without_origin(kept, own) if section == "controller" else kept
 
 
 def _of_kind(section: str, values: dict[str, Any], kind: Any) -> dict[str, Any]:
@@ -154,6 +161,8 @@ def apply(data: dict[str, Any], change: str) -> None:
         if not isinstance(data, dict):
             raise ScenarioError(f"{change!r}: {name!r} is a value, not a section")
     data[last] = value
+    if path == ["controller"]:
+        note_change(data, last)
 
 
 def _value(text: str) -> Any:

@@ -22,6 +22,8 @@ def law_file(name: str, folder: Path) -> Path | None:
 
 def law_facts(controller: Any) -> dict[str, Any]:
     """What a recording keeps of a law that stands in a file: its name, hash and, if it is one, text."""
+    if origin := getattr(controller, "origin", None):
+        return {"law": {"name": origin.file, "sha256": origin.sha256}}
     if controller.kind == "c":
         file = Path(controller.library or controller.source)
         return kept_of(file.name, file.read_bytes(), bool(controller.source)) if file.is_file() else {}

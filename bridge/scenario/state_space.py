@@ -3,10 +3,20 @@
 import math
 from typing import Literal
 
+from bridge.scenario.fields import Part
+
 Matrix = list[list[float]]
 Signal = Literal["error", "position", "velocity", "p1", "p2", "p3", "reference", "reference velocity"]
+FROM = "file beside the scenario with A, B, C, D, dt and perhaps inputs: .json, .npz or .mat (up to -v7)"
 SAME = 1e-9  # [s], between dt and the sampling period
 READS = "signals in the order of B's columns; error = x_ref - x and position in m, velocity in m/s, p1 to p3 in Pa"
+
+
+class Origin(Part):
+    """The file that matrices were read from."""
+
+    file: str
+    sha256: str
 
 
 def refuse_matrices(a: Matrix, b: Matrix, c: Matrix, d: Matrix, inputs: int) -> None:
