@@ -20,15 +20,16 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
     from bridge.scenario import load
 
     loaded = load(scenario, changes)
-    from bridge.scenario.describe import PICTURE, facts, step_rows, values_of, warnings
+    from bridge.scenario.describe import PICTURE, facts, step_rows, timeline, values_of, warnings
 
     values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
-    parameters = _parameters(loaded)
+    parameters, happens = _parameters(loaded), timeline(loaded)
     if as_json:
         keys = ("part", "what", "time", "longest step")
         limits = [dict(zip(keys, row, strict=True)) for row in steps]
         plain = {"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits}
-        print_json(plain | ({"parameters": parameters} if parameters else {}))
+        further = {"parameters": parameters, "timeline": [h._asdict() for h in happens]}
+        print_json(plain | {name: rows for name, rows in further.items() if rows})
         return
     print(PICTURE)
     print_table(("value", "", "", "source"), [(v.name, v.value, "*" if v.changed else "", v.source) for v in values])
@@ -39,6 +40,9 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
     if parameters:
         print()
         print_table(("parameter of the law, SI", ""), [(name, str(value)) for name, value in parameters.items()])
+    if happens:
+        print()
+        print_table(("in the timeline", "what changes"), happens)
     for line in warnings(loaded):
         print(f"warning: {line}")
 

@@ -7,6 +7,7 @@ from bridge.scenario.circuit import circuit_of, rest_of, supply_of
 from bridge.scenario.model import Scenario
 from bridge.scenario.reach import reference_warnings
 from bridge.scenario.relief_swing import in_numbers, swing_of
+from bridge.scenario.timeline import Happening, plan
 from bridge.scenario.units import SHOWN, UNITS
 from twin.circuit.equilibrium import SupplyAtRest
 from twin.circuit.limits import limits, natural_frequency, too_coarse
@@ -34,6 +35,13 @@ class Value(NamedTuple):
     value: str
     source: str
     changed: bool  # not the rig's own
+
+
+class Happens(NamedTuple):
+    """An entry of the timeline."""
+
+    when: str
+    what: str
 
 
 class Fact(NamedTuple):
@@ -67,6 +75,18 @@ def _with_unit(value: float, unit: str, name: str) -> str:
     if shown not in UNITS[unit] or not math.isfinite(value):
         shown = unit
     return f"{(value - UNITS[unit][shown].offset) / UNITS[unit][shown].factor:.6g} {shown}".rstrip()
+
+
+def timeline(scenario: Scenario) -> list[Happens]:
+    """What happens while it runs."""
+    return [Happens(_when(entry), item.words) for entry, item in zip(scenario.timeline, plan(scenario), strict=True)]
+
+
+def _when(entry: Happening) -> str:
+    after = f" + {entry.after:g} s" if entry.after else ""
+    when = f"{entry.at:g} s{after}" if entry.at is not None else f"{entry.when}{after}"
+    every = f", every {entry.every:g} s" if entry.every is not None else ""
+    return f"{when}{every}, {entry.times} times" if entry.times > 1 else when
 
 
 def facts(scenario: Scenario) -> list[Fact]:

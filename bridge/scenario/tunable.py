@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from bridge.scenario.model import Scenario
 
 REFERENCE = "reference"
+SUCH = ("rig.load.force", "sensor.p2.offset", "controller.gain", REFERENCE)
 PLANT, CONTROLLER = "plant", "controller"
 
 
@@ -50,7 +51,7 @@ def tunable(name: str, scenario: "Scenario") -> Tunable:
     if name.startswith("rig.") and reason:
         raise ScenarioError(f"{name} cannot change while the rig runs: {reason}")
     near = difflib.get_close_matches(name, known, n=1, cutoff=LIKENESS)
-    words = f"did you mean {near[0]!r}?" if near else "`hydrotwin get --list` prints those that are"
+    words = f"did you mean {near[0]!r}?" if near else f"such are {', '.join(SUCH)}"
     raise ScenarioError(f"{name!r} is not a number that can change during a run; {words}")
 
 
@@ -104,9 +105,12 @@ def with_controller(scenario: "Scenario", numbers: dict[str, float]) -> "Scenari
             plain[key] = f"{number!r} {gain.units[1]}" if gain else number
     try:
         changed = type(controller).model_validate(plain)
+        changed.refuse_period(scenario.loop.sample_period)
     except ValidationError as error:
         first = error.errors()[0]
         raise ScenarioError(f"controller.{'.'.join(map(str, first['loc']))}: {first['msg'].lower()}") from None
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
     return scenario.model_copy(update={"controller": changed})
 
 

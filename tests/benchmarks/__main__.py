@@ -21,6 +21,7 @@ from tests.benchmarks import (
     start,
     sweeps,
     timing,
+    tuning,
     valves,
     view,
 )
@@ -34,6 +35,7 @@ SECTIONS = {
     "pilot": pilot.rows,
     "loop": loop.rows,
     "timing": timing.rows,
+    "tuning": tuning.rows,
     "recorder": recorder.rows,
     "replay": replay.rows,
     "start": start.rows,

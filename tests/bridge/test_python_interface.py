@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,9 @@ from bridge.runs.in_process import record_in_process
 from hydrotwin.signal import Signal
 from tests.support.processes import ENVIRONMENT, ROOT
 
-BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(encoding="utf-8"), re.DOTALL)
+PAGE = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+READ: dict[str, Any] = {"capture_output": True, "text": True, "timeout": 100}
 
 
 @pytest.fixture
@@ -135,15 +138,19 @@ def test_a_hole_in_a_signal_is_not_within_any_limit(ramp: Signal):
     assert ramp.settles(at="5 bar", within="9 bar") == 4.0
 
 
-def test_the_fixture_runs_a_law_and_keeps_what_has_failed(tmp_path: Path):
+def test_the_steps_for_a_ci_service_run_and_keep_what_has_failed(tmp_path: Path):
+    """Those of the page, but for the installation, in a shell; with two further tests, which fail."""
     (tmp_path / "my_laws.py").write_text(BLOCKS[0].split("run = ")[0])
     tests = BLOCKS[2] + "\n\ndef test_that_fails(rig):\n    rig.signal('p2').stays(below='1 bar')\n"
     tests += "import pytest\n@pytest.mark.parametrize('p', ['a/b'])\ndef test_with(rig, p):\n    assert not rig.run()\n"
     (tmp_path / "test_laws.py").write_text(tests)
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "hydrotwin.pytest_plugin", "-p", "no:cacheprovider"]
-    done = subprocess.run(
-        [*command, "--rig-recordings", "failed"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True
-    )
+    steps = [step for step in re.findall(r"- run: (.*)", PAGE) if "pip install" not in step]
+    path = f"{Path(sys.executable).parent}:{ENVIRONMENT['PATH']}"
+    own = {"PATH": path, "PYTEST_ADDOPTS": "-p hydrotwin.pytest_plugin -p no:cacheprovider"}
+    run = [subprocess.run(["sh", "-c", s], cwd=tmp_path, env=ENVIRONMENT | own, **READ) for s in steps]
+    assert [done.returncode for done in run] == [0, 1], [done.stdout + done.stderr for done in run]
+    assert {(tmp_path / name).is_file() for name in ("checks.xml", "tests.xml")} == {True}
+    done = run[1]
     assert "2 failed, 1 passed" in done.stdout
     assert "p2 does not stay below 1 bar: it is" in done.stdout
     kept = sorted(path.name for path in (tmp_path / "failed").iterdir())
