@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from bridge.errors import ScenarioError
 from bridge.loop.controller_tuning import ControllerTuning
 from bridge.loop.law import law_of
 from bridge.loop.law_messages import LawMessages
@@ -31,6 +32,8 @@ class ControllerSide:
         self.own = LawMessages(source, self.law.name)  # what the law has logged and printed
         self._sent = 0
         self._tuning = ControllerTuning(scenario)
+        for changed in self._tuning.foreseen():
+            self.law.prepare(law_gains(changed))
         self._memory: Any = None
 
     @property
@@ -82,11 +85,18 @@ class ControllerSide:
         """The spool reference for the next sample, and the target it is after."""
         stamp = sample.stamp_ns
         if (changed := self._tuning.changed(stamp)) is not None:
-            self.gains = self.law.prepare(law_gains(changed))
+            self._retune(changed, stamp)
         target = self.target(stamp)
         spool, self._memory, *signals = self.own.hear(stamp, self.law.answer, sample, target, self._memory, self.gains)
         self.own.log(stamp, *signals)
         return float(spool), target
+
+    def _retune(self, changed: Scenario, stamp: int) -> None:
+        """Take other numbers; where the law's own declaration refuses them, those before stay, and it is told."""
+        try:
+            self.gains = self.law.prepare(law_gains(changed))
+        except ScenarioError as error:
+            self.own.hear(stamp, print, f"refused, the numbers before stay: {error}")
 
     def target(self, stamp: int) -> Target:
         """What the law is after at a stamp [ns]."""

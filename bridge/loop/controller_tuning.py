@@ -3,9 +3,11 @@
 A change acts from the first sample at its instant or after it.
 """
 
+from collections.abc import Iterator
+
 from bridge.scenario import Scenario
 from bridge.scenario.courses import change, course_of, courses_of
-from bridge.scenario.timeline import plan
+from bridge.scenario.timeline import plan, reached
 from bridge.scenario.tunable import CONTROLLER, REFERENCE, Tunable, tunables, with_controller
 from controller.course import Course
 from controller.reference import Target
@@ -34,6 +36,13 @@ class ControllerTuning:
         found = change(text, entry, apply_at, self._items)
         if found is not None and self._is_ours(found[0]):
             self._course(self._known[found[0]]).add(found[1])
+
+    def foreseen(self) -> Iterator[Scenario]:
+        """The scenario with each value that an entry of the timeline gives to a number of the law."""
+        for item in self._items:
+            if item.target.owner == CONTROLLER and item.target.name != REFERENCE:
+                for value in reached(item):
+                    yield with_controller(self._scenario, {item.target.name: value})
 
     def changed(self, stamp: int) -> Scenario | None:
         """The scenario with the gains of a sample, if they are others than at the last one."""

@@ -15,10 +15,10 @@ from bridge.loop.acquisition import Acquisition
 from bridge.loop.altered_rig import AlteredRig
 from bridge.scenario import Scenario
 from bridge.scenario.courses import course_of, courses_of, to_be
-from bridge.scenario.timeline import Crossing, Item, crosses, plan
+from bridge.scenario.timeline import Crossing, Item, crosses, plan, reached
 from bridge.scenario.tunable import PLANT, Tunable, tunables
 from bridge.wire.events import setting, timeline_entry
-from controller.course import NEVER, Act, Course, Ramp, Sine, Table, ends
+from controller.course import NEVER, Act, Course, Ramp, Table, ends
 from controller.grid import NS, next_sample
 from twin.circuit.block import Compiled
 
@@ -183,18 +183,14 @@ class PlantTuning:
         return (t // long + 1) * long
 
 
+def refuse_impossible(scenario: Scenario) -> None:
+    """Raises ScenarioError for an entry of the timeline that the rig cannot take, whatever else happens."""
+    _refuse_impossible(plan(scenario), AlteredRig(scenario))
+
+
 def _refuse_impossible(items: Collection[Item], rig: AlteredRig) -> None:
     """Raises ScenarioError for a change by itself that the rig cannot take."""
     for item in items:
         if item.target.name.startswith(RIG):
             for value in reached(item):
                 rig.refuse({item.target.name: value})
-
-
-def reached(item: Item) -> Iterator[float]:
-    """The values that an entry makes of its number."""
-    shape = item.shape
-    if isinstance(shape, Table):
-        yield from shape.values
-    elif not isinstance(shape, Sine):
-        yield shape.to

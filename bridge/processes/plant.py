@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from bridge.errors import RunError, ScenarioError, UsageError
 from bridge.loop.plant import PlantSide
+from bridge.loop.plant_tuning import refuse_impossible
 from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
 from bridge.machine.narrator import Narrator
@@ -367,6 +368,7 @@ def _second(rig_name: str, others: list[str]) -> RunError:
 def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantReport:
     """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
     circuit_of(scenario)  # refused before anybody is told of it
+    refuse_impossible(scenario)
     prepare(options.fifo)
     with Bus(link, scenario.rig_name, "plant", blocking=options.mode == Mode.LOCKSTEP) as bus:
         if others := bus.others("plant"):

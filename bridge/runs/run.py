@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bridge.errors import RunError, writing
 from bridge.loop.controller import ControllerSide
+from bridge.loop.plant_tuning import refuse_impossible
 from bridge.machine.process import Stop
 from bridge.processes.options import SLOW, RunOptions
 from bridge.recording.reader import Recording, read
@@ -56,6 +57,7 @@ class Outcome(NamedTuple):
 def ready_to_run(scenario: Scenario) -> None:
     """Raises UsageError for a rig that cannot be built, and for a law that is not there or does not load."""
     circuit_of(scenario)
+    refuse_impossible(scenario)
     ControllerSide(scenario, 0)
 
 

@@ -248,7 +248,7 @@ class Python(PdGains):
 
     def gains(self, scale: Scale) -> laws.UserGains:
         """Those of `controller.law.pd`, and the parameters as plain numbers and words."""
-        parameters = {name: _plain(value, scale) for name, value in self.parameters.items()}
+        parameters = {name: parameter_in_si(value, scale) for name, value in self.parameters.items()}
         return laws.UserGains(*self._own(scale), parameters=parameters)
 
     @property
@@ -256,10 +256,10 @@ class Python(PdGains):
         return False
 
 
-def _plain(value: Any, scale: Scale) -> Any:
+def parameter_in_si(value: Any, scale: Scale) -> Any:
     """A parameter in SI."""
     if isinstance(value, list):
-        return [_plain(entry, scale) for entry in value]
+        return [parameter_in_si(entry, scale) for entry in value]
     if isinstance(value, str):
         return scale.per_metre(value) if is_gain(value) else si(value)
     return value
@@ -285,7 +285,7 @@ class InC(WithOverlap):
 
     def gains(self, scale: Scale) -> laws.CGains:
         """What the function is given beside sample and target."""
-        parameters = {name: float(_plain(value, scale)) for name, value in self.parameters.items()}
+        parameters = {name: float(parameter_in_si(value, scale)) for name, value in self.parameters.items()}
         return laws.CGains(scale.sample_period, self.limit, self.jumped_share * scale.overlap, parameters)
 
 

@@ -186,3 +186,12 @@ def _plain_values(target: Tunable, scenario: "Scenario") -> Iterator[float]:
 def crosses(condition: Crossing, value: float) -> bool:
     """Is a signal past its limit?"""
     return value > condition.limit if condition.upwards else value < condition.limit
+
+
+def reached(item: Item) -> Iterator[float]:
+    """The values that an entry makes of its number."""
+    shape = item.shape
+    if isinstance(shape, Table):
+        yield from shape.values
+    elif not isinstance(shape, Sine):
+        yield shape.to

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bridge.errors import LIKENESS, ScenarioError
+from bridge.scenario.controllers import parameter_in_si
 from bridge.scenario.fields import Gain, Measured
 from bridge.scenario.gains import scale_of
-from bridge.scenario.units import quantity, si
+from bridge.scenario.units import quantity
 from controller.reference import evaluate
 from twin.rig import BUILT_IN, RIG, Number
 from twin.topology import CHANNELS
@@ -121,10 +122,10 @@ def _in_si(value: object, entry: Tunable, scenario: "Scenario") -> float:
     if entry.owner == CONTROLLER and (gain := _marked(scenario.controller, key, Gain)):
         return scale_of(scenario).per_metre(gain.read(value))
     if key.startswith("parameters."):
-        number = si(value) if isinstance(value, str) else float(value)
-        if isinstance(number, str):
+        number = parameter_in_si(value, scale_of(scenario))
+        if isinstance(number, str) or number != number:
             raise ValueError("give a number, or a text with a unit")
-        return number
+        return float(number)
     number = quantity(value, entry.unit)
     if number != number:
         raise ValueError("it is not a number")

@@ -300,6 +300,40 @@ def test_every_number_that_may_change_can_be_set():
     assert len(tunables(scenario)) > 80
 
 
+LAW = """\
+from pydantic import BaseModel, Field
+
+
+class Parameters(BaseModel):
+    kp: float = Field(gt=0.0)
+
+
+def law(sample, target, memory, gains):
+    return 0.1 * gains.parameters.kp, memory
+"""
+KIND = ("controller.kind=python", "controller.law=own.py:law", "controller.parameters.kp=1")
+
+
+def test_parameters_of_a_law_change_as_its_declaration_allows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """By the timeline only what it takes; what somebody sets and it refuses is told, and the number before stays."""
+    monkeypatch.chdir(tmp_path)
+    Path("own.py").write_text(LAW)
+    ramp = '{set="controller.parameters.kp", at="0.1 s", to=2, over="0.1 s"}'
+    spool = run_in_memory(with_timeline(ramp, changes=KIND, duration=0.3)).columns("command")["spool"]
+    assert spool[[5, 15, 25]] == pytest.approx([0.1, 0.15, 0.2])
+    with pytest.raises(ScenarioError, match="kp: input should be greater than 0"):
+        sides(with_timeline(ramp.replace("to=2", "to=0"), changes=KIND))
+    plant, controller = sides(with_timeline(changes=KIND, duration=0.1))
+    said = []
+    for messages in exchange(plant, controller, 100):
+        said += [m.message.text for m in messages if m.topic == "said"]
+        if plant.tick_number == 20:
+            plant.set({"controller.parameters.kp": -1.0})
+    assert len(said) == 1
+    assert said[0].startswith("refused, the numbers before stay: controller.parameters.kp")
+    assert plant.inlet.value == pytest.approx(0.1)
+
+
 def test_settings_are_all_taken_or_none():
     plant, _ = sides(load("step", ["duration=0.5"]))
     plant.start()
