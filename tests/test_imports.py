@@ -52,7 +52,8 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
     "hydrotwin": (
         ("signal",),
         ("runs",),
-        ("pytest_plugin",),
+        ("policy",),
+        ("pytest_plugin", "gym"),
     ),
 }
 ORDER = ("twin", "controller", "bridge", "hydrotwin")  # of the packages: each may use those before it

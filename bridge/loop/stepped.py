@@ -18,8 +18,7 @@ class SteppedLoop:
     """One run: `start`, then `advance` from sample to sample until `over`; the messages are those of `exchange`."""
 
     def __init__(self, scenario: Scenario, lean: bool = True) -> None:
-        self.plant, self.controller = sides(scenario)
-        self.controller.law = ControlLaw(self._answer)
+        self.plant, self.controller = sides(scenario, ControlLaw(self._answer))
         self.ticks = scenario.ticks
         self._lean = lean
         self._spool = 0.0
@@ -44,22 +43,25 @@ class SteppedLoop:
         """The messages of each tick up to the first sample."""
         self._out = self.plant.start()
         yield self._out
-        while not (self.over or self._is_sample()):
-            yield self._tick()
+        yield from self._onward()
 
     def advance(self, spool: float) -> Iterator[list[Outgoing]]:
         """Command a spool reference; the answers, then the messages of each tick up to the next sample or the end."""
         self._spool = spool
         yield answered(self.plant, self.controller, self._out)
         yield self._tick()
-        while not (self.over or self._is_sample()):
-            answered(self.plant, self.controller, self._out)
-            yield self._tick()
+        yield from self._onward()
 
     def finish(self) -> list[Outgoing]:
         """The plant's last words."""
         ending = Ending.COMPLETE if self.over else Ending.INTERRUPTED
         return self.plant.finish(last_words(ending, self.plant.tick_number))
+
+    def _onward(self) -> Iterator[list[Outgoing]]:
+        """Ticks that nobody answers, whose events the controller heeds all the same."""
+        while not (self.over or self._is_sample()):
+            answered(self.plant, self.controller, self._out)
+            yield self._tick()
 
     def _tick(self) -> list[Outgoing]:
         self._out = self.plant.tick(self._lean)

@@ -15,6 +15,7 @@ from bridge.recording.writer import RecordingWriter, entries_of
 from bridge.scenario import Scenario
 from bridge.wire.events import last_words
 from bridge.wire.messages import Ending, Outgoing
+from bridge.wire.status import PlantStatus
 from controller.grid import NS
 from controller.laws import ControlLaw
 
@@ -70,7 +71,16 @@ def run_in_memory(
         controller.own.speak_aloud()
     head = {**manifest(scenario, plant.run_id), **facts}
     entries = [e for messages in exchange(plant, controller, scenario.ticks) for e in entries_of(messages)]
-    summary = summarise(recording(MEMORY, entries, {}), scenario, {}, plant.status()).plain()
+    return _in_memory(scenario, entries, head, plant.status())
+
+
+def in_memory_recording(scenario: Scenario, entries: list[Entry], run_id: int, status: PlantStatus) -> Recording:
+    """What has been kept of a run that somebody else drove."""
+    return _in_memory(scenario, entries, manifest(scenario, run_id), status)
+
+
+def _in_memory(scenario: Scenario, entries: list[Entry], head: dict[str, Any], status: PlantStatus) -> Recording:
+    summary = summarise(recording(MEMORY, entries, {}), scenario, {}, status).plain()
     return recording(MEMORY, entries, {"run": head, "summary": summary})
 
 

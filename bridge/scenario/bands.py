@@ -119,7 +119,7 @@ def parse_band(text: str) -> Band | WindowBand:
     try:
         window = _window(begin, end)
         if metric in METRICS:
-            return Band(metric, match[2], _limit(match[3], METRICS[metric].unit, METRICS[metric].shown_unit), *window)
+            return Band(metric, match[2], limit_of(match[3], METRICS[metric].unit, METRICS[metric].shown_unit), *window)
         return _of_signal(statistic, signal.strip(), window, match[2], match[3])
     except ValueError as error:
         raise ValueError(f"expect {text!r}: {error}") from None
@@ -135,10 +135,10 @@ def _of_signal(statistic: str, signal: str, window: tuple[Moment, Moment], relat
     if signal not in BANDED:
         raise ValueError(f"no signal {signal!r}{nearest(signal, BANDED)}")
     unit = BANDED[signal]
-    return WindowBand(statistic, signal, *window, relation, _limit(limit, unit, shown(unit)[1]))
+    return WindowBand(statistic, signal, *window, relation, limit_of(limit, unit, shown(unit)[1]))
 
 
-def _limit(text: str, unit: str, shown_unit: str) -> float:
+def limit_of(text: str, unit: str, shown_unit: str) -> float:
     """The limit of a band in SI; only 0 and infinity say the same in every unit."""
     value = quantity(text, unit)
     number, written = split(text)
@@ -173,10 +173,10 @@ def _moment(text: str) -> Moment:
     """A time of the run, "3 s", or one counted from a moment, "impact + 300 ms"."""
     match = _MOMENT.fullmatch(text)
     if match is None:
-        return Moment(START, _limit(text, "s", "s"))
+        return Moment(START, limit_of(text, "s", "s"))
     if match[1] not in MOMENTS:
         raise ValueError(f"no moment {match[1]!r}{nearest(match[1], MOMENTS, 'or a time')}")
-    offset = _limit(match[3], "s", "s") if match[3] else 0.0
+    offset = limit_of(match[3], "s", "s") if match[3] else 0.0
     return Moment(match[1], -offset if match[2] == "-" else offset)
 
 

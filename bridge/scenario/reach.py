@@ -1,5 +1,6 @@
 """How far a scenario's reference goes: past the stroke, or past what the card measures, it is likely a mistake."""
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
 PLACES = 1001  # in the run, where the reference is looked at
 
 
+@lru_cache(16)
 def reach(reference: Reference, duration: float) -> tuple[float, float]:
     """Least and greatest position [m] that a reference asks for within a run [s]."""
     asked = [evaluate(reference, t).position for t in np.linspace(0.0, duration, PLACES).tolist()]

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from tests.benchmarks import (
+    environment,
     lines,
     lines_lab,
     loop,
@@ -43,6 +44,7 @@ SECTIONS = {
     "stability": stability.rows,
     "sweeps": sweeps.rows,
     "simulated": simulated_loops.rows,
+    "environment": environment.rows,
 }
 
 

@@ -42,6 +42,7 @@ PROCESSES = {
     "bridge.processes.recorder.process": HOT,
     "bridge.processes.router": HEAVY,
     "bridge.processes.supervisor": (*HOT, "mcap"),
+    "hydrotwin.policy": ("gymnasium",),
 }
 WORDS = (
     *("--help", "run --help", "scenarios", "scenarios --json", "schema", "messages", "messages --json", "figures"),
@@ -63,7 +64,7 @@ VALIDATING = ("pydantic.main", "bridge.scenario.model", "numpy")
 PROGRAM = """
 import importlib, json, os, sys
 work, heavy = json.loads(sys.argv[1])
-if work[0].startswith("hydrotwin"):  # light themselves, by the test above
+if work[0].startswith("hydrotwin "):  # light themselves, by the test above
     import bridge.cli.verbs
 for name in work:
     reader, writer = os.pipe()
@@ -71,7 +72,7 @@ for name in work:
         quiet = os.open(os.devnull, os.O_WRONLY)
         os.dup2(quiet, 1), os.dup2(quiet, 2)
         try:
-            if name.startswith("hydrotwin"):
+            if name.startswith("hydrotwin "):
                 sys.argv = name.split()
                 from bridge.cli import answer
                 code = answer()

@@ -22,8 +22,8 @@ def wish(stamp: int) -> float:
 
 
 def by_law(scenario: Scenario) -> list:
-    plant, controller = sides(scenario)
-    controller.law = ControlLaw(lambda sample, target, memory, gains: (wish(sample.stamp_ns), memory))
+    law = ControlLaw(lambda sample, target, memory, gains: (wish(sample.stamp_ns), memory))
+    plant, controller = sides(scenario, law)
     return [entry for messages in exchange(plant, controller, scenario.ticks) for entry in entries_of(messages)]
 
 
@@ -39,11 +39,16 @@ def topic(entries: list, name: str) -> list:
     return [entry for entry in entries if entry.topic == name]
 
 
+TIMELINE = (
+    'timeline=[{set="rig.load.force", at="5 ms", to="4 kN"}, {set="reference", when="position > 101 mm", to="0.13 m"}]'
+)
+
+
 @pytest.mark.parametrize(
     "changes",
     [
         ["loop.delay=5 ms"],
-        ["loop.delay=0", "loop.offset=3 ms"],
+        ["loop.delay=0", "loop.offset=13 ms", TIMELINE],
         ["loop.delay=23 ms", "loop.sample_period=7 ms", "controller.velocity=backward", "daq.tachometer=false"],
     ],
 )

@@ -171,8 +171,11 @@ def _valve(valve: Entries, oil: Oil, step: float) -> SpoolValve:
         valve["overlap"],
         area_for(valve["rated_flow"], 0.5 * valve["rated_drop"], orifice, oil),
         orifice,
-        *step_matrix(omega, valve["damping"], step),
+        *_spool(omega, valve["damping"], step),
     )
+
+
+_spool = lru_cache(REMEMBERED)(step_matrix)
 
 
 def _switching(valve: Entries, oil: Oil) -> SwitchingValve:
