@@ -69,7 +69,7 @@ def _single(group: Group, run: Run) -> Any:
     for line in group.curves:
         _plot(axis, run, line, group.scale, line.label, LIGHT[line.colour])
     mark(axis, changes(run.recording))
-    _finish(axis, group.axis, run.time[-1])
+    finish(axis, group.axis, run.time[-1])
     return figure
 
 
@@ -79,7 +79,7 @@ def _overlay(group: Group, runs: Sequence[Run], names: Sequence[str]) -> Any:
         for run, name, colour in zip(runs, names, RUNS, strict=False):
             _plot(axis, run, line, group.scale, name, colour)
         axis.set_title(line.label, fontsize=9, loc="left")
-        _finish(axis, group.axis, max(run.time[-1] for run in runs), last=axis is axes[-1])
+        finish(axis, group.axis, max(run.time[-1] for run in runs), last=axis is axes[-1])
     return figure
 
 
@@ -111,7 +111,8 @@ def canvas(rows: int, height: float) -> tuple[Any, list[Any]]:
     return figure, list(axes)
 
 
-def _finish(axis: Any, label: str, end: float, last: bool = True) -> None:
+def finish(axis: Any, label: str, end: float, last: bool = True) -> None:
+    """Name the axes of a picture over time, and its curves."""
     axis.set_xlim(0.0, end)
     axis.set_ylabel(label, fontsize=9)
     if last:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from bridge.recording.compare import Difference, difference
-from bridge.recording.signals import Signal
+from bridge.recording.signals import Signal, signals_of
 from bridge.recording.summary import plain_metrics
 from bridge.report.subject import Run
 from bridge.scenario.bands import (
@@ -19,6 +19,8 @@ def signal_differences(run: Run, other: Run) -> list[Difference]:
     """Every signal both runs have, in file order, in the units people read."""
     shared = [name for name in SIGNALS if name in run.state and name in other.state]
     found = [difference(name, _signal(run, name), _signal(other, name), 0.0, partly=True) for name in shared]
+    mine, theirs = (signals_of(each.recording, ("signals",)) for each in (run, other))
+    found += [difference(name, mine[name], theirs[name], 0.0, partly=True) for name in mine if name in theirs]
     return [_shown(each) for each in found if each.instants]
 
 

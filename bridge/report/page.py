@@ -7,6 +7,8 @@ from bridge.drawing.html import svg, text
 from bridge.errors import UsageError, writing
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.maps import draw_maps, draw_timing
+from bridge.report.own_signals import CAPTION as CAPTION_OF_OWN
+from bridge.report.own_signals import draw_own, own_charts
 from bridge.report.sections import (
     differences,
     events,
@@ -86,7 +88,12 @@ def figure(drawn: object, name: str, title: str, caption: str) -> str:
 
 def _charts(runs: list[Run], names: list[str]) -> str:
     shown = [chart for chart in CHARTS if any(chart.shown(run) for run in runs)]
-    return "".join(figure(draw_chart(chart, runs, names), chart.name, chart.title, chart.reads) for chart in shown)
+    drawn = [figure(draw_chart(chart, runs, names), chart.name, chart.title, chart.reads) for chart in shown]
+    own = [
+        figure(draw_own(chart, runs, names), f"signals{i}", chart.title, CAPTION_OF_OWN)
+        for i, chart in enumerate(own_charts(runs), 1)
+    ]
+    return "".join(drawn + own)
 
 
 def _stability(runs: list[Run], names: list[str]) -> str:

@@ -1,5 +1,6 @@
 """What a recording becomes in Rerun: the rig, maps of its pipes, curves and events on simulated time."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -7,12 +8,13 @@ import numpy as np
 
 from bridge.errors import UsageError
 from bridge.recording.frames import Frames, frames
+from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Recording
 from bridge.recording.told import events_of
 from bridge.recording.words import run_in_words
 from bridge.scenario import Scenario
 from bridge.view import length_time
-from bridge.view.curves import CURVES, Curve, draw, span
+from bridge.view.curves import CURVES, Curve, draw, own_curves, own_titles, span
 from bridge.view.layout import EVENTS, RUN, layout
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
@@ -43,8 +45,11 @@ def send(stream: Any, recording: Recording, bare: bool = False) -> None:
     """Send everything to where the stream leads, and close it; `bare`: to be printed."""
     curves = draw(recording)
     shown = {drawn.curve.picture for drawn in curves}
-    stream.send_blueprint(layout(shown, {name: span(curves, name) for name in shown}, bare=bare))
+    own = own_units(recording)
+    spans = {name: span(curves, name) for name in shown}
+    stream.send_blueprint(layout(shown, spans, bare=bare, own=own_titles(own)))
     begin(stream, recording)
+    style(stream, own_curves(own))
     for curve, stamps, values in curves:
         send_curve(stream, curve, stamps, values)
     send_events(stream, recording)
@@ -58,12 +63,19 @@ def begin(stream: Any, recording: Recording) -> None:
     import rerun as rr
 
     stream.send_recording_name(_title(recording))
-    for curve in CURVES:
-        mode = "StepAfter" if curve.held else "Linear"
-        style = rr.SeriesLines(colors=curve.colour, widths=curve.width, names=curve.label, interpolation_mode=mode)
-        stream.log(curve.entity, style, static=True)
+    style(stream, CURVES)
     text = rr.TextDocument(run_in_words(recording), media_type=rr.MediaType.MARKDOWN)
     stream.log(RUN, text, static=True)
+
+
+def style(stream: Any, curves: Iterable[Curve]) -> None:
+    """Say how curves look."""
+    import rerun as rr
+
+    for curve in curves:
+        mode = "StepAfter" if curve.held else "Linear"
+        looks = rr.SeriesLines(colors=curve.colour, widths=curve.width, names=curve.label, interpolation_mode=mode)
+        stream.log(curve.entity, looks, static=True)
 
 
 def send_curve(stream: Any, curve: Curve, stamps: Any, values: Any) -> None:

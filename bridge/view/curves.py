@@ -1,13 +1,17 @@
 """Which curves a recording shows: in which picture, from which message, in the units people read."""
 
+import re
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bridge.drawing.colours import DARK
+from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Recording
-from bridge.recording.shown import GROUPS, MEASURED, tap_words
+from bridge.recording.shown import GROUPS, MEASURED, ORDER, tap_words
+from bridge.scenario.units import shown
 from twin.topology import PRESSURES
 
 US = 1e-3  # from [ns]
@@ -108,6 +112,30 @@ CURVES = (
 )
 
 
+OWN = "own_signals"  # pictures of what a law logs begin so
+
+
+def own_picture(unit: str) -> str:
+    """The picture of a law's signals of a unit."""
+    return "_".join([OWN, *re.findall(r"[A-Za-z0-9]+", unit)])
+
+
+def own_curves(units: Mapping[str, str]) -> list[Curve]:
+    """The curves of what a law logs, by name and unit: a picture for each unit."""
+    curves: list[Curve] = []
+    for name, unit in units.items():
+        picture, scale = own_picture(unit), shown(unit)[0]
+        before = sum(curve.picture == picture for curve in curves)
+        colour = DARK[ORDER[before % len(ORDER)]]
+        curves.append(Curve(picture, name, name, "signals", name, scale, colour, 1.5, held=True))
+    return curves
+
+
+def own_titles(units: Mapping[str, str]) -> dict[str, str]:
+    """The titles of those pictures."""
+    return {own_picture(unit): f"law [{shown(unit)[1]}]".replace(" []", "") for unit in units.values()}
+
+
 def samples(curve: Curve, columns: dict[str, NDArray]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Stamps [ns] and values as shown; what was not measured (NaN, a round trip of -1) is left out."""
     values = columns[curve.field]
@@ -125,8 +153,9 @@ class Drawn(NamedTuple):
 
 def draw(recording: Recording) -> list[Drawn]:
     """The curves that have something to show."""
-    columns = {topic: recording.columns(topic) for topic in {curve.topic for curve in CURVES}}
-    filled = [Drawn(curve, *samples(curve, columns[curve.topic])) for curve in CURVES]
+    curves = [*CURVES, *own_curves(own_units(recording))]
+    columns = {topic: recording.columns(topic) for topic in {curve.topic for curve in curves}}
+    filled = [Drawn(curve, *samples(curve, columns[curve.topic])) for curve in curves]
     return [drawn for drawn in filled if len(drawn.stamps)]
 
 

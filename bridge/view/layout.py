@@ -1,6 +1,6 @@
 """How the view is laid out: the rig and the map of a pipe on the left, curves over a common time on the right."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from bridge.drawing.colours import UNKNOWN
@@ -22,8 +22,12 @@ EYES = {  # position and target [m]
 }
 
 
-def layout(shown: Collection[str], spans: Spans, follow: float = 0.0, bare: bool = False) -> Any:
+def layout(
+    shown: Collection[str], spans: Spans, follow: float = 0.0, bare: bool = False, own: Mapping[str, str] = {}
+) -> Any:
     """The blueprint for the pictures that have a curve; axes hold `spans` where given.
+
+    own: further pictures and their titles, of what a law logs.
 
     follow: live, so many seconds [s] up to the latest data; bare: without the viewer's own panels, to be printed.
     """
@@ -31,8 +35,9 @@ def layout(shown: Collection[str], spans: Spans, follow: float = 0.0, bare: bool
 
     left = rrb.Vertical(_rig(), _maps(), rrb.Tabs(_events(), _run()), row_shares=[5.5, 2.7, 1.8])
     first = [name for name in FIRST if name in shown]
-    behind = [_picture(name, spans, follow) for name in PICTURES if name in shown and name not in FIRST]
-    views = [_picture(name, spans, follow) for name in first] + ([rrb.Tabs(*behind)] if behind else [])
+    titles = {**own, **PICTURES}
+    behind = [_picture(name, titles, spans, follow) for name in titles if name in shown and name not in FIRST]
+    views = [_picture(name, titles, spans, follow) for name in first] + ([rrb.Tabs(*behind)] if behind else [])
     shares = [*(SHARES[FIRST.index(name)] for name in first), SHARES[-1]][: len(views)]
     right = rrb.Vertical(*views, row_shares=shares)
     panels = [rrb.TimePanel(timeline=TIMELINE, play_state="following" if follow else "paused", state="collapsed")]
@@ -90,12 +95,12 @@ def _run() -> Any:
     return rrb.TextDocumentView(origin=RUN, name="run")
 
 
-def _picture(name: str, spans: Spans, follow: float) -> Any:
+def _picture(name: str, titles: Mapping[str, str], spans: Spans, follow: float) -> Any:
     import rerun.blueprint as rrb
 
     return rrb.TimeSeriesView(
         origin=name,
-        name=PICTURES[name],
+        name=titles[name],
         axis_x=_lately(follow) if follow else rrb.TimeAxis(link="LinkToGlobal"),
         axis_y=rrb.ScalarAxis(range=spans[name]) if name in spans else None,
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop),

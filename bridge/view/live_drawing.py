@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from bridge.recording.frames import Frames, frames
+from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.view import length_time
-from bridge.view.content import begin, scene_of, send_curve, send_events
-from bridge.view.curves import CURVES, LIVE, samples
+from bridge.view.content import begin, scene_of, send_curve, send_events, style
+from bridge.view.curves import CURVES, LIVE, Curve, own_curves, own_titles, samples
 from bridge.view.inbox import WATCHED
 from bridge.view.layout import layout
 from bridge.view.rig.motion import move
@@ -37,12 +38,14 @@ class Drawing:
         self._profiles: deque[Any] = deque(maxlen=max(2, round(SPAN / scenario.loop.viewer_period)))
         self._states: list[Entry] = []
         self._drawn = -REDRAWN
-        self._begin(manifest["mode"] == Mode.REALTIME, bare)
+        self._own: list[Curve] = []  # of what the law logs, once it has
+        self._bare = bare
+        topics = {*WATCHED} if manifest["mode"] == Mode.REALTIME else {*WATCHED} - {"timing"}
+        self._pictures = {curve.picture for curve in CURVES if curve.topic in topics}
+        self._begin()
 
-    def _begin(self, wall: bool, bare: bool) -> None:
-        topics = {*WATCHED} if wall else {*WATCHED} - {"timing"}
-        shown = {curve.picture for curve in CURVES if curve.topic in topics}
-        self.stream.send_blueprint(layout(shown, LIVE, follow=SPAN, bare=bare))
+    def _begin(self) -> None:
+        self.stream.send_blueprint(layout(self._pictures, LIVE, follow=SPAN, bare=self._bare))
         begin(self.stream, self._head)
         stand(self.stream, self._scene)
         for pipe, described in enumerate(self._scene.pipes):
@@ -58,14 +61,24 @@ class Drawing:
         self._draw_rig(entries)
 
     def _draw_curves(self, batch: Recording) -> None:
-        columns = {topic: batch.columns(topic) for topic in {curve.topic for curve in CURVES} & set(batch.counts)}
-        for curve in CURVES:
-            if curve.topic in columns:
+        if batch.counts.get("signals") and not self._own:
+            self._begin_own(own_units(batch))
+        curves = [*CURVES, *self._own]
+        columns = {topic: batch.columns(topic) for topic in {curve.topic for curve in curves} & set(batch.counts)}
+        for curve in curves:
+            if curve.field in columns.get(curve.topic, ()):
                 stamps, values = samples(curve, columns[curve.topic])
                 if len(stamps):
                     send_curve(self.stream, curve, stamps, values)
         if "state" in columns:
             self.seconds = float(columns["state"]["stamp"][-1]) / NS
+
+    def _begin_own(self, units: dict[str, str]) -> None:
+        """Make room for what the law logs: the first of its messages says what that is."""
+        self._own, titles = own_curves(units), own_titles(units)
+        style(self.stream, self._own)
+        shown = self._pictures | set(titles)
+        self.stream.send_blueprint(layout(shown, LIVE, follow=SPAN, bare=self._bare, own=titles))
 
     def _draw_rig(self, entries: list[Entry]) -> None:
         """Frames need a profile and the state of its tick, which may have come with the batch before."""

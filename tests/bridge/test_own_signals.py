@@ -22,6 +22,9 @@ from bridge.recording.reader import Recording, read
 from bridge.recording.recover import recover
 from bridge.recording.told import events_of
 from bridge.replay.through import Through, replay_through
+from bridge.report.own_signals import draw_own, own_charts
+from bridge.report.page import page
+from bridge.report.subject import load_run
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.wire.messages import OF_SOME_LAWS
@@ -101,6 +104,53 @@ def test_they_are_exported_with_their_units(inprocess: Recording, tmp_path: Path
     rows = list(csv.reader(io.StringIO(path.read_text())))
     assert rows[0][-4:] == ["integral [m]", "error [m]", "held", "gain [V/%]"]
     assert len(rows) == 42
+
+
+def test_the_report_has_a_picture_for_each_unit_and_compares_them(
+    inprocess: Recording, folder: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("bridge.report.page.CHARTS", ())  # what others draw, and `test_report.py` tests
+    monkeypatch.setattr("bridge.report.page._maps", lambda *_: [])
+    monkeypatch.setattr("bridge.report.page._stability", lambda *_: "")
+    other = ("run", "pi.toml", "--mode", "inprocess", "--record", "other.mcap", "--seed", "7", *UNDRAWN)
+    assert hydrotwin_here(*other, cwd=folder).returncode == 0
+    runs = [load_run(inprocess.path), load_run(folder / "other.mcap")]
+    text = page(runs)
+    assert [f"<h2>Signals of the law{unit}</h2>" in text for unit in (" [mm]", "", " [V/%]")] == [True] * 3
+    assert all(f"<td>{line}</td>" in text for line in SAID)
+    assert "<td>signals.error</td>" in text
+    chart = own_charts(runs)[0]
+    (alone,), both = draw_own(chart, runs[:1], ["a"]).axes, draw_own(chart, runs, ["a", "b"]).axes
+    assert [line.get_label() for line in alone.get_lines()] == ["integral", "error"]
+    assert [[line.get_label() for line in axis.get_lines()] for axis in both] == [["a", "b"]] * 2
+    assert alone.get_lines()[1].get_ydata() == pytest.approx(1e3 * inprocess.columns("signals")["error"])
+
+
+@pytest.mark.parametrize("size", [None, 300])
+def test_the_view_has_their_curves_held_from_sample_to_sample(inprocess: Recording, tmp_path: Path, size: int | None):
+    """Of a file, and of a run that comes in batches."""
+    rerun = pytest.importorskip("rerun")
+    from bridge.view.content import write
+    from bridge.view.live_drawing import Drawing
+    from tests.bridge.test_view import column
+
+    path = tmp_path / "a.rrd"
+    if size is None:
+        write(inprocess, path)
+    else:
+        stream = rerun.RecordingStream("hydrotwin")
+        stream.save(path)
+        drawing, entries = Drawing(stream, inprocess.metadata["run"], bare=False), inprocess.entries
+        for begin in range(0, len(entries), size):
+            drawing.add(entries[begin : begin + size])
+        stream.disconnect()
+    stamps, values = column(path, "/own_signals_m/error", "Scalars:scalars")
+    logged = inprocess.columns("signals")
+    assert sorted(stamps) == logged["stamp"].tolist()
+    assert sorted(values) == pytest.approx(sorted(1e3 * logged["error"]))
+    assert column(path, "/own_signals_V/gain", "Scalars:scalars")[1] == [3.0] * 41
+    lines = column(path, "/events", "TextLog:text")[1]
+    assert [line.partition("said: ")[2] for line in lines if "said: " in line] == SAID
 
 
 def test_lockstep_records_and_says_the_same(inprocess: Recording, folder: Path):
