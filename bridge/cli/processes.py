@@ -94,8 +94,9 @@ def controller(
     """Answer measurements with valve commands until the plant ends.
 
     With --law module:function or FILE.py:function the law is yours: a function of (sample, target, memory, gains)
-    that returns (spool, memory); memory is None at the first sample, and again when the plant goes to its safe state
-    or leaves it. Functions on_safe_state(memory) and on_resume(memory) beside it are told of that instead.
+    that returns (spool, memory), or (spool, memory, signals) with numbers by name that are to be recorded. memory is
+    None at the first sample, and again when the plant goes to its safe state or leaves it. Functions
+    on_safe_state(memory) and on_resume(memory) beside it are told of that instead.
     """
     from bridge.scenario import load
     from bridge.scenario.controllers import changes_for

@@ -44,6 +44,9 @@ A controller of your own, in any language that has Zenoh:
  7. Publish on <rig>/reference what you steer to, with each command and with its run_id, source, sequence and the
     measurement's stamp: the run is then judged against that. Without it the run is judged against the scenario's own
     reference. You need not publish a status.
+    What else you want to have recorded goes on <rig>/signals, with the same head: names (letters, digits and _, the
+    same in every message), units and values, three lists of one length. Lines for people go on <rig>/said, as an Event
+    of kind said with your source.
  8. Read <rig>/event. `refused` with your source says why a command was not taken: {REASONS}. The first hundred of a
     kind are events; `missed` names further ones, and commands that never came or came after the end. `second
     controller` means that the

@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import re
 import sys
 import textwrap
 from collections.abc import Iterator
@@ -258,10 +259,14 @@ def test_an_undeclared_parameter_is_named_with_those_that_there_are(elsewhere: P
         record_in_process(scenario, Path("a.mcap"))
 
 
-def test_the_page_s_law_runs_with_its_scenario(elsewhere: Path):
+@pytest.mark.parametrize("logs", [False, True])
+def test_the_page_s_law_runs_with_its_scenario(elsewhere: Path, logs: bool):
+    """The law that logs signals does what the other one does."""
     page = (ROOT / "docs/running.md").read_text(encoding="utf-8").partition("## A law of your own")[2]
-    Path("pi.py").write_text(page.partition("```python\n")[2].partition("```")[0])
+    plain, logging, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    Path("pi.py").write_text(f"{plain}\n\n{logging}" if logs else plain)
     text = page.partition("    [controller]\n")[2].partition("```python")[0]
     Path("own.toml").write_text('extends = "step"\nduration = 3.0\n' + textwrap.dedent("    [controller]\n" + text))
     recorded = record_in_process(load("own.toml"), Path("a.mcap"))
     assert abs(recorded.metadata["summary"]["metrics"]["steady_error"]) < 1e-3
+    assert list(recorded.columns("signals"))[4:] == (["integral", "error", "saturated"] if logs else [])
