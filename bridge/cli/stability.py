@@ -93,9 +93,10 @@ def _print(found: "Advice") -> None:
     from bridge.cli.tables import print_table
 
     timing, unit = found.timing, found.unit
+    derivative = f"D {found.derivative_gain.volts:.4g} V s/% ({timing.derivative}), "
     print(
-        f"{found.scenario}: gain {_in(found.gain, unit)}, D {found.derivative_gain.volts:.4g} V s/% "
-        f"({timing.derivative}), sampled every {timing.period * 1e3:g} ms, delay {timing.delay * 1e3:g} ms"
+        f"{found.scenario}: gain {_in(found.gain, unit)}, {'' if timing.derivative == 'none' else derivative}"
+        f"sampled every {timing.period * 1e3:g} ms, delay {timing.delay * 1e3:g} ms"
     )
     print("\n".join(_answer(found)) + "\n")
     print_table(

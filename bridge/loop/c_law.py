@@ -42,12 +42,12 @@ def c_law(controller: InC) -> ControlLaw:
     first = [Library(code)]  # opened already: the first sample does not wait for it
     exports = first[0].exports()
 
-    def answer(sample: Sample, target: Target, memory: "CRun | None", gains: Prepared) -> tuple[float, Any]:
+    def answer(sample: Sample, target: Target, memory: "CRun | None", gains: Prepared) -> tuple[Any, ...]:
         run = CRun(_fresh(first, code), exports, gains) if memory is None else memory
-        return run.answer(sample, target, gains), run
+        return run.answer(sample, target, gains), run, *run.signals()
 
     hooks = {name: _hook(name) if f"_{name}" in exports.functions else forget for name in HOOKS}
-    return ControlLaw(answer, **hooks, prepare=lambda gains: _prepared(gains, exports, code.label))
+    return ControlLaw(answer, **hooks, prepare=lambda gains: _prepared(gains, exports, code.label), name=code.name)
 
 
 def _fresh(first: list[Library], code: Code) -> Library:
@@ -66,8 +66,8 @@ def _code(controller: InC) -> Code:
         raise ScenarioError(f"{label}: there is no such file beside the scenario or in {Path.cwd()}")
     try:
         if controller.library:
-            return Code(label, file.read_bytes(), file)
-        return Code(label, compiled(file.resolve(), label), None)
+            return Code(label, file.name, file.read_bytes(), file)
+        return Code(label, file.name, compiled(file.resolve(), label), None)
     except OSError as error:
         raise ScenarioError(f"{label}: {error.strerror}") from None
 
@@ -79,6 +79,7 @@ class CRun:
         self._library = library
         self._law = library.function("")
         self.memory = (ctypes.c_double * exports.memory)()
+        self._declared = exports.signals
         self._signals = (ctypes.c_double * len(exports.signals))()
         self._inputs = ctypes.create_string_buffer(INPUTS.size)
         self._spool = ctypes.c_double()
@@ -101,6 +102,12 @@ class CRun:
         if not math.isfinite(spool):
             raise self._failed(f"set spool to {spool}, or not at all,", sample)
         return spool
+
+    def signals(self) -> list[dict[str, tuple[float, str]]]:
+        """What the law logs with its last answer, if it logs anything."""
+        if not self._declared:
+            return []
+        return [{name: (value, unit) for (name, unit), value in zip(self._declared, self._signals, strict=True)}]
 
     def told(self, hook: str) -> "CRun":
         """The same run, whose law has been told."""

@@ -29,6 +29,7 @@ class Code(NamedTuple):
     """A library before it is opened."""
 
     label: str  # for people: controller.library 'law.so'
+    name: str  # of its file
     content: bytes
     place: Path | None  # where it stands; None for one that was compiled for us
 

@@ -9,6 +9,7 @@ from bridge.drawing.html import text
 from bridge.report.charts import RUNS, canvas
 from bridge.report.subject import Run
 from bridge.studies.stability.operating import CHARTED, OperatingPoint, edge_curves, operating_point, sentences
+from bridge.studies.stability.sampled_law import FACTOR
 from controller.stability.amplitude.swing import WIDE
 
 CAPTION = (
@@ -24,8 +25,12 @@ def stability_points(runs: list[Run]) -> list[OperatingPoint | None]:
 
 
 def draw_stability(runs: list[Run], points: list[OperatingPoint | None]) -> Any:
-    """A matplotlib figure: edges of the first run that has any, and one dot per run; None without a run."""
-    known = [(run, point) for run, point in zip(runs, points, strict=True) if point is not None]
+    """A matplotlib figure: edges of the first run that has any, and one dot per run; None without a run.
+
+    A law given as matrices has none: they are for one sampling period.
+    """
+    of_gains = ((run, point) for run, point in zip(runs, points, strict=True) if point and point.unit != FACTOR)
+    known = list(of_gains)
     if not known:
         return None
     intervals, edges = edge_curves(known[0][0].scenario)

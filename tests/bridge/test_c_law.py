@@ -163,6 +163,23 @@ def test_init_fills_the_memory():
     assert answers(scenario(), 2) == [0.01, 0.01]
 
 
+def test_what_a_law_logs_is_recorded_in_si():
+    """In mm and bar in the law, and without a unit; a law without signals has no such topic."""
+    signals = (
+        'const hydrotwin_signal hydrotwin_law_signals[] = {{"gap", "mm"}, {"load", "bar"}, {"calls", ""}, {0, 0}};\n'
+    )
+    body = "signals[0] = 1e3 * (target->position - sample->position); signals[1] = 1e-5 * sample->p2; "
+    written(body + "signals[2] = memory[0] += 1.0; *spool = 0.0; return 0;", MEMORY + signals)
+    found = record_in_process(scenario("duration=0.05"), Path("a.mcap"))
+    first, *_, last = found.messages("signals")
+    assert (first.names, first.units) == (["gap", "load", "calls"], ["m", "Pa", ""])
+    read_p2 = dict(zip(*(found.columns("measurement")[name].tolist() for name in ("stamp", "p2")), strict=True))
+    assert last.values[1] == pytest.approx(read_p2[last.stamp])
+    assert [message.values[2] for message in found.messages("signals")] == list(range(1, last.sequence + 2))
+    written("*spool = 0.0; return 0;")
+    assert "signals" not in record_in_process(scenario("duration=0.05"), Path("b.mcap")).counts
+
+
 @pytest.mark.parametrize(
     ("body", "more", "said"),
     [

@@ -25,7 +25,7 @@ from bridge.studies.stability.amplitude import (
 from bridge.studies.stability.relay_lead import critical_lead, needed_lead, relay_of
 from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins_of, named, timing_of
 from bridge.studies.stability.rig_plant import RigPlant, plants
-from bridge.studies.stability.sampled_law import FreeGain, free_gain
+from bridge.studies.stability.sampled_law import FreeGain, free_gain, is_asked
 from controller.law import volts_per_percent
 from controller.reference import evaluate
 from controller.stability import Margins
@@ -297,9 +297,16 @@ def _linear(scenario: Scenario) -> tuple[dict[str, PointAdvice], list[str]]:
 
 def _notes(scenario: Scenario, free: FreeGain) -> list[str]:
     notes = timing_notes(scenario)
-    if scenario.controller.kind == "python":
-        what = "a factor on its answer" if free.is_factor else "controller.gain"
-        notes.append(f"controller.law {scenario.controller.law!r} itself ran in the reduced loop; free is {what}")
+    own: Any = scenario.controller
+    what = "a factor on its answer" if free.is_factor else "controller.gain"
+    itself = f"itself ran in the reduced loop; free is {what}"
+    if own.kind == "python":
+        notes.append(f"controller.law {own.law!r} {itself}")
+    elif own.kind == "c":
+        notes.append(f"the law in {own.source or own.library!r} {itself}")
+    elif own.kind == "state-space":
+        how = f", which ran itself, since it reads {', '.join(own.inputs)}" if is_asked(scenario) else ""
+        notes.append(f"free is a factor on C and D of the law{how}")
     return notes
 
 

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
-from bridge.scenario.controllers import Python
 from bridge.studies.stability.advice import Stability, timing_notes
 from bridge.studies.stability.amplitude import own_row, range_over
-from bridge.studies.stability.sampled_law import free_gain
+from bridge.studies.stability.sampled_law import free_gain, is_asked
 from controller.bands import Metrics
 
 ROUND = (0.2, 5.0)  # of the own sampling interval, what the chart spans
@@ -41,10 +40,10 @@ class OperatingPoint(NamedTuple):
 def operating_point(scenario: Scenario, metrics: Metrics | None) -> OperatingPoint | None:
     """At the own gain alone: which gains settle takes longer, and is for `advise`.
 
-    None for a loop without a gain, for a function of the user's, which `advise` runs itself, and where the theory has
-    no answer.
+    None for a loop without a gain, for a law that `advise` runs itself, such as a function of the user's, and where the
+    theory has no answer.
     """
-    if isinstance(scenario.controller, Python):
+    if is_asked(scenario):
         return None
     try:
         free = free_gain(scenario)

@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from bridge.scenario import Scenario, ScenarioError
-from bridge.scenario.controllers import WithVelocity
+from bridge.scenario.controllers import InC, StateSpace, WithVelocity
 from bridge.studies.stability.rig_plant import RigPlant
 from controller.stability import (
     Margins,
@@ -34,7 +34,7 @@ class RigTiming(NamedTuple):
 
     period: float  # T [s]
     delay: float  # [s], may exceed T
-    derivative: str  # "measured" | "backward" | "filtered"
+    derivative: str  # "measured" | "backward" | "filtered"; "none" of a law without a derivative gain
     filter_time: float  # [s], of the filtered one
 
     def counted(self) -> Timing:
@@ -53,6 +53,8 @@ class Edge(NamedTuple):
 def timing_of(scenario: Scenario) -> RigTiming:
     """The times of a scenario's controller. Raises ScenarioError for one that closes no loop."""
     own = scenario.controller
+    if isinstance(own, StateSpace | InC):
+        return RigTiming(scenario.loop.sample_period, scenario.loop.delay, "none", 0.0)
     if not isinstance(own, WithVelocity):
         raise ScenarioError(f"controller.kind {own.kind!r} closes no loop; set controller.kind = 'pd'")
     return RigTiming(scenario.loop.sample_period, scenario.loop.delay, own.velocity, own.filter_time)

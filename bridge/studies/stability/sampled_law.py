@@ -1,7 +1,9 @@
 """A scenario's control law as the theory of the loop takes it, and the one gain of it that is free.
 
-The free gain is `controller.gain`, all else of the controller unchanged. A function of the user's runs itself, in the
-reduced loop; where it does not mind `controller.gain`, a factor on its answer is free instead.
+The free gain is `controller.gain`, all else of the controller unchanged. A function of the user's, in Python or C, runs
+itself in the reduced loop; where it does not mind `controller.gain`, a factor on its answer is free instead. Of a law
+given as matrices that is a factor on C and D. One that reads what the linear form of the loop does not say, such as
+pressures, is asked at each sample as a function is.
 """
 
 from collections.abc import Callable
@@ -11,11 +13,19 @@ from bridge.errors import ScenarioError
 from bridge.loop.hearing import Hearing
 from bridge.loop.law import law_of as law_in_loop
 from bridge.scenario import Scenario
-from bridge.scenario.controllers import Relay, WithGains
+from bridge.scenario.controllers import OpenLoop, Pd, Pid, Python, Relay, StateSpace, WithGains
 from bridge.scenario.gains import law_gains, scale_of
 from controller.law import Law, Sample
+from controller.laws import ControlLaw
 from controller.reference import Target
-from controller.stability.amplitude.linear_law import LinearLaw, of_error, pd_law, relay_law, with_integral
+from controller.stability.amplitude.linear_law import (
+    LinearLaw,
+    of_error,
+    of_signals,
+    pd_law,
+    relay_law,
+    with_integral,
+)
 from controller.stability.amplitude.run import Decide
 
 FACTOR = "x"  # the unit of a factor on a law's answer
@@ -39,13 +49,13 @@ class FreeGain(NamedTuple):
 def free_gain(scenario: Scenario) -> FreeGain:
     """The scenario's. Raises ScenarioError for a law that has none."""
     settings = scenario.controller
-    if not isinstance(settings, WithGains):
+    if isinstance(settings, Relay | OpenLoop):
         raise ScenarioError(f"controller.kind {settings.kind!r} has no gain to advise on; set controller.kind = 'pd'")
     if scenario.rig.valve.kind == "switching":
         raise ScenarioError(
             "rig.valve.kind 'switching' knows three positions and no gain; set rig.valve.kind = 'proportional'"
         )
-    if _is_foreign(settings) and not _minds_gain(scenario):
+    if not isinstance(settings, WithGains) or (isinstance(settings, Python) and not _minds_gain(scenario)):
         return FreeGain(1.0, FACTOR, 1.0)
     scale = scale_of(scenario)
     own = scale.per_metre(settings.gain)
@@ -54,10 +64,26 @@ def free_gain(scenario: Scenario) -> FreeGain:
     return FreeGain(own, "V/%", scale.per_metre("1 V/%"))
 
 
+def at_free(scenario: Scenario, gain: float, free: FreeGain) -> tuple[Scenario, float]:
+    """The scenario at its free gain, and the factor on its law's answer that is left to apply."""
+    if isinstance(scenario.controller, StateSpace):
+        return _scaled_matrices(scenario, gain), 1.0
+    return (scenario, gain) if free.is_factor else (at_gain(scenario, gain), 1.0)
+
+
 def at_gain(scenario: Scenario, gain: float) -> Scenario:
     """The scenario at a gain [1/m]."""
-    controller = scenario.controller.model_copy(update={"gain": f"{gain!r} 1/m"})
-    return scenario.model_copy(update={"controller": controller})
+    return _with(scenario, gain=f"{gain!r} 1/m")
+
+
+def _scaled_matrices(scenario: Scenario, factor: float) -> Scenario:
+    own: Any = scenario.controller
+    rows = {name: [[factor * number for number in row] for row in getattr(own, name)] for name in ("C", "D")}
+    return _with(scenario, **rows)
+
+
+def _with(scenario: Scenario, **changes: Any) -> Scenario:
+    return scenario.model_copy(update={"controller": scenario.controller.model_copy(update=changes)})
 
 
 def law_of(scenario: Scenario) -> Callable[[float], LinearLaw | Decide]:
@@ -66,15 +92,32 @@ def law_of(scenario: Scenario) -> Callable[[float], LinearLaw | Decide]:
         relay: Any = law_gains(scenario)
         linear = relay_law(relay.derivative_time, relay.source, relay.filter_time, relay.sample_period, relay.limit)
         return lambda _: linear
-    if not _is_foreign(scenario.controller):
+    if isinstance(scenario.controller, Pd | Pid):
         return lambda gain: _linear(law_gains(at_gain(scenario, gain)))
-    system = getattr(law_in_loop(scenario.controller).answer, "system", None)
+    found = law_in_loop(scenario.controller)
+    system = getattr(found.answer, "system", None)
     if system is not None:
         own: Any = law_gains(scenario)
         a, b, c, d = system
         return lambda gain: of_error(a, b, c, d, gain, own.limit, own.overlap)
-    is_factor = free_gain(scenario).is_factor
-    return lambda gain: _deciding(scenario if is_factor else at_gain(scenario, gain), gain if is_factor else 1.0)
+    if (fixed := of_matrices(scenario)) is not None:
+        return lambda factor: fixed._replace(c=factor * fixed.c, d=factor * fixed.d)
+    free = free_gain(scenario)
+    return lambda gain: _deciding(found, *at_free(scenario, gain, free))
+
+
+def of_matrices(scenario: Scenario) -> LinearLaw | None:
+    """A law given as matrices in the linear form of the loop; None for other laws, and for one that does not fit it."""
+    if not isinstance(scenario.controller, StateSpace):
+        return None
+    own = scenario.controller.gains(scale_of(scenario))
+    return of_signals(own.a, own.b, own.c, own.d, own.inputs, own.limit, own.overlap)
+
+
+def is_asked(scenario: Scenario) -> bool:
+    """Does the law itself run, asked at each sample, which takes longer?"""
+    kind = scenario.controller.kind
+    return kind in ("python", "c") or (kind == "state-space" and of_matrices(scenario) is None)
 
 
 def scaled(law: Law, factor: float) -> Law:
@@ -87,11 +130,6 @@ def scaled(law: Law, factor: float) -> Law:
     return answer
 
 
-def _is_foreign(settings: Any) -> bool:
-    """Is it a function of the user's?"""
-    return settings.kind == "python"
-
-
 def _linear(own: Any) -> LinearLaw:
     """A law of ours with gains: PD, or PID by its further numbers."""
     timing = own.source, own.filter_time, own.sample_period
@@ -102,8 +140,8 @@ def _linear(own: Any) -> LinearLaw:
     return with_integral(law, own.sample_period * own.integral, back, own.anti_windup == "clamping")
 
 
-def _deciding(scenario: Scenario, factor: float) -> Decide:
-    found = law_in_loop(scenario.controller)
+def _deciding(found: ControlLaw, scenario: Scenario, factor: float) -> Decide:
+    """A law that is asked at each sample, with a memory of its own."""
     law, own = scaled(found.answer, factor), found.prepare(law_gains(scenario))
     memory: Any = None
     hearing = Hearing()  # what it prints here is not of a run
@@ -122,6 +160,7 @@ def _minds_gain(scenario: Scenario) -> bool:
     place, own = scenario.start.position, scale_of(scenario).per_metre(settings.gain)
     period = round(scenario.loop.sample_period * 1e9)
     samples = [Sample(k * period, place, 0.0, 67e5, 25e5, 0.0) for k in range(SAMPLES)]
-    laws = [_deciding(at_gain(scenario, factor * own), 1.0) for factor in (1.0, 0.5)]
+    found = law_in_loop(settings)
+    laws = [_deciding(found, at_gain(scenario, factor * own), 1.0) for factor in (1.0, 0.5)]
     answers = [[law(sample, place + TRIED) for sample in samples] for law in laws]
     return answers[0] != answers[1]

@@ -12,7 +12,7 @@ from typing import Any
 from bridge.scenario import Scenario
 from bridge.scenario.references import Step
 from bridge.studies.stability.probe import stand_of
-from bridge.studies.stability.sampled_law import at_gain, free_gain
+from bridge.studies.stability.sampled_law import at_free, free_gain
 from bridge.studies.stability.trial import Stand, trial
 from controller.stability.amplitude.edges import Edge, Scan, lasting, smallest_swinging
 from controller.stability.amplitude.swing import Swing, last_third
@@ -37,11 +37,8 @@ def stepped(scenario: Scenario, size: float) -> Scenario:
 
 def twin_swing(scenario: Scenario, gain: float, size: float, on: Stand | None = None) -> Swing:
     """The twin's last third after a step of a size [m], at a free gain."""
-    asked = stepped(scenario, size)
-    if free_gain(scenario).is_factor:
-        trace = trial(asked, on or stand_of(scenario), gain)
-    else:
-        trace = trial(at_gain(asked, gain), on or stand_of(scenario))
+    asked, factor = at_free(stepped(scenario, size), gain, free_gain(scenario))
+    trace = trial(asked, on or stand_of(scenario), factor)
     return last_third(trace.time, trace.position)
 
 

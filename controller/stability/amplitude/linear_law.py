@@ -11,6 +11,7 @@ the run starts, so z is 0 at the first sample.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 ERROR = np.array([1.0, -1.0, 0.0])  # of the position, in w
+SEEN = {"error": ERROR, "reference": np.array([1.0, 0.0, 0.0]), "position": np.array([0.0, 1.0, 0.0])}
+SEEN |= {"velocity": np.array([0.0, 0.0, 1.0])}  # signals of a law, in w
 NOT_CLAMPED = -1
+ROUNDING = 1e-12  # of the greatest number of a law
 
 
 class LinearLaw(NamedTuple):
@@ -46,6 +50,25 @@ def of_error(
     return LinearLaw(
         a.reshape(n, n), row, gain * c.reshape(n), gain * d * ERROR, none, NOT_CLAMPED, limit, overlap, False
     )
+
+
+def of_signals(
+    a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike, inputs: Sequence[str], limit: float, overlap: float
+) -> LinearLaw | None:
+    """A linear system (a, b, c, d) on several signals; None where w does not say all that it reads.
+
+    That is so for a signal that is not in SEEN, and for a law that tells where reference and position stand, and not
+    only how far they are apart.
+    """
+    if not set(inputs) <= SEEN.keys():
+        return None
+    seen, n = np.array([SEEN[name] for name in inputs]), len(np.asarray(c, float))
+    entry, direct = np.asarray(b, float).reshape(n, len(inputs)) @ seen, np.asarray(d, float) @ seen
+    place = np.append(entry[:, :2].sum(axis=1), direct[:2].sum())
+    if np.any(np.abs(place) > ROUNDING * max(np.abs(entry).max(initial=0.0), np.abs(direct).max())):
+        return None
+    a, c, none = np.asarray(a, float).reshape(n, n), np.asarray(c, float), np.zeros(n)
+    return LinearLaw(a, entry, c, direct, none, NOT_CLAMPED, limit, overlap, False)
 
 
 def pd_law(
