@@ -23,6 +23,7 @@ class SteppedLoop:
         self._lean = lean
         self._spool = 0.0
         self._out: list[Outgoing] = []  # of the newest tick, not answered yet
+        self._target: tuple[int, Target] | None = None  # the last that was asked for, and its stamp [ns]
 
     @property
     def over(self) -> bool:
@@ -37,7 +38,10 @@ class SteppedLoop:
     @property
     def target(self) -> Target:
         """What the reference asks for now."""
-        return self.controller.target(self.plant.now)
+        now = self.plant.now
+        if self._target is None or self._target[0] != now:
+            self._target = now, self.controller.target(now)
+        return self._target[1]
 
     def start(self) -> Iterator[list[Outgoing]]:
         """The messages of each tick up to the first sample."""

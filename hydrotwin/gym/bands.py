@@ -16,6 +16,7 @@ from twin.topology import CHANNELS, OBSERVED
 ERROR = "error"  # the position error, whichever way
 READS = {name: channel.reads for name, channel in CHANNELS.items()}  # the card's names mean what the card touches
 EXTREMES = {"<=": ("peak", "greatest", "max"), ">=": ("least", "min")}  # words that a scenario's bands have
+_AT = {name: at for at, name in enumerate(OBSERVED)}
 _BAND = re.compile(r"\s*(?:(peak|greatest|max|least|min)[\s_]+)?([^<>=]+?)\s*(<=|>=)\s*(.+?)\s*")
 
 
@@ -31,9 +32,6 @@ class MomentBand(NamedTuple):
         """Is it broken? rows: the observed quantities at each tick; error [m]."""
         values = np.array([abs(error)]) if self.signal == ERROR else rows[:, _AT[self.signal]]
         return not bool(RELATIONS[self.relation](values, self.limit).all())
-
-
-_AT = {name: at for at, name in enumerate(OBSERVED)}
 
 
 def bands_of(option: str, texts: Iterable[str]) -> list[MomentBand]:
@@ -62,7 +60,4 @@ def _band(option: str, text: str) -> MomentBand:
 def _unknown(words: str) -> str:
     if re.sub(r"[\s-]+", "_", words) in METRICS:
         return f"{words!r} is known when a run is over, and a band here is about each moment: 'error <= 5 mm'"
-    return f"no signal {words!r}{nearest(words, [ERROR, *PRESSURES_FIRST])}"
-
-
-PRESSURES_FIRST = [*dict.fromkeys((*CHANNELS, *OBSERVED))]
+    return f"no signal {words!r}{nearest(words, [ERROR, *dict.fromkeys((*CHANNELS, *OBSERVED))])}"

@@ -94,12 +94,13 @@ class Rig(gymnasium.Env[Array, Any]):
     def step(self, action: Any) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Command the spool for one sample period."""
         loop, command, previous = self._running(), command_of(action), self._memory.actions[0]
-        rows, observed = [], loop.plant.observed
+        observed, grid, begin = loop.plant.observed, loop.plant.grid, loop.plant.tick_number
+        rows = np.empty((grid.sample // grid.daq, len(OBSERVED)))
         for out in loop.advance(self._interface.spool(command)):
             self._keep(out)
-            rows.append(observed.copy())
+            rows[loop.plant.tick_number - begin - 1] = observed  # the answers come first, and are written over
         self._memory = after(self._memory, command)
-        step = self._judged(loop, command, previous, np.array(rows[1:]))  # the first is of the step before
+        step = self._judged(loop, command, previous, rows[: loop.plant.tick_number - begin])
         facts = self._facts(loop) | {"broken": len(step.broken), "ended": step.ended}
         terminated, truncated = bool(step.ended), loop.over
         if terminated or truncated:

@@ -374,5 +374,6 @@ def test_a_longer_training_beats_the_scenario_s_own_gain_where_the_delay_is_long
         worths = [worth(weights, range(2 * generation, 2 * generation + 2)) for weights in tried]
         best = tried[np.argsort(worths)[-6:]]
         mean, spread = best.mean(axis=0), best.std(axis=0) + 0.02 * 0.9**generation
-    others, own = range(1000, 1020), law_gains(ht.load("step")).proportional * SIZES["error"]
+    gains: Any = law_gains(ht.load("step"))
+    others, own = range(1000, 1020), gains.proportional * SIZES["error"]
     assert worth(mean, others) > worth(np.array([own, 0.0, 0.0, 0.0, 0.0]), others) + 4.0
