@@ -11,6 +11,7 @@ from controller.law import Sample, compensate, saturate
 from controller.reference import Target
 from hydrotwin.runs import Run, linear_model, load, read, run
 from hydrotwin.signal import Signal
+from hydrotwin.sweeps import Sweep, sweep
 
 __all__ = [
     "Metrics",
@@ -20,6 +21,7 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Signal",
+    "Sweep",
     "Target",
     "UsageError",
     "compensate",
@@ -28,4 +30,5 @@ __all__ = [
     "read",
     "run",
     "saturate",
+    "sweep",
 ]

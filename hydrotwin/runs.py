@@ -134,12 +134,7 @@ class Run:
 
     def frame(self, topic: str = "state", library: Literal["pandas", "polars"] = "pandas") -> Any:
         """A topic as a frame of pandas or polars, by time [s]. Raises UsageError where the library is not installed."""
-        if library not in ("pandas", "polars"):
-            raise UsageError(f"library {library!r}: frames are of 'pandas' or 'polars'")
-        try:
-            package = import_module(library)
-        except ImportError:
-            raise UsageError(f"no package {library!r}: pip install {library}, or use columns()") from None
+        package = frames(library)
         columns = {name: np.ascontiguousarray(values) for name, values in self.columns(topic).items()}
         return package.DataFrame({"time": columns[INSTANTS.get(topic, "stamp")] / NS} | columns)
 
@@ -150,6 +145,16 @@ class Run:
     @cached_property
     def _signals(self) -> dict[str, Any]:
         return signals_of(self.recording)
+
+
+def frames(library: str) -> Any:
+    """The package whose frames are wanted. Raises UsageError for another one, and where it is not installed."""
+    if library not in ("pandas", "polars"):
+        raise UsageError(f"library {library!r}: frames are of 'pandas' or 'polars'")
+    try:
+        return import_module(library)
+    except ImportError:
+        raise UsageError(f"no package {library!r}: pip install {library}, or use columns()") from None
 
 
 def _flat(changes: Mapping[str, Any], before: str = "") -> Iterator[str]:

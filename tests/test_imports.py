@@ -53,7 +53,7 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
         ("signal",),
         ("runs",),
         ("policy",),
-        ("pytest_plugin", "gym"),
+        ("sweeps", "pytest_plugin", "gym"),
     ),
 }
 ORDER = ("twin", "controller", "bridge", "hydrotwin")  # of the packages: each may use those before it

@@ -19,6 +19,9 @@ class Verb(NamedTuple):
 VERBS = {
     "run": Verb(RUN, "run:run", "Run a scenario and leave a recording, a picture and a summary."),
     "check": Verb(RUN, "run:check", "Run scenarios headless and judge the bands they state; for CI."),
+    "sweep": Verb(
+        RUN, "sweep:sweep", "Run a scenario at every combination of some of its values: a table, CSV and a picture."
+    ),
     "scenarios": Verb(LOOK, "scenarios:scenarios", "List the built-in scenarios."),
     "schema": Verb(LOOK, "scenarios:schema", "Print the JSON schema of scenario files, for editors."),
     "describe": Verb(

@@ -1,6 +1,8 @@
 """What a verb hands over: JSON on standard output, and files beside it; one that cannot be written hides no result."""
 
 import json
+import time
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -24,3 +26,18 @@ def write_text(path: Path | None, text: str) -> bool:
         complain(str(error))
         return False
     return True
+
+
+def own_folder(verb: str) -> Path:
+    """runs/VERB-TIME, with -2, -3 and so on where another call has that; what cannot be made is told by the run."""
+    wanted = Path("runs") / f"{verb}-{time.strftime('%Y%m%d-%H%M%S')}"
+    for number in count(1):
+        folder = wanted if number == 1 else wanted.with_name(f"{wanted.name}-{number}")
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        except OSError:
+            return folder
+        return folder
+    raise AssertionError("unreachable")

@@ -4,7 +4,6 @@ import json
 import time
 from collections.abc import Iterator
 from contextlib import nullcontext, suppress
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,7 +17,7 @@ from bridge.cli.options import (
     address,
     seconds,
 )
-from bridge.cli.outputs import print_json, write_text
+from bridge.cli.outputs import own_folder, print_json, write_text
 from bridge.cli.streams import complain
 from bridge.errors import UsageError
 
@@ -123,7 +122,7 @@ def check(
         raise UsageError("\n".join(wrong))
     from bridge.runs.check import junit_xml
 
-    folder = output or _own_folder()
+    folder = output or own_folder("check")
     results = list(_checked(asked, mode, folder))
     if output is None:
         with suppress(OSError):
@@ -146,21 +145,6 @@ def check(
             print(f"recordings in {folder}")
     well = written and all(result.passed for result in results)
     raise typer.Exit(2 if refused else 0 if well else 1)
-
-
-def _own_folder() -> Path:
-    """runs/check-TIME, with -2, -3 and so on where another call has that; what cannot be made is told by the run."""
-    wanted = Path("runs") / f"check-{time.strftime('%Y%m%d-%H%M%S')}"
-    for number in count(1):
-        folder = wanted if number == 1 else wanted.with_name(f"{wanted.name}-{number}")
-        try:
-            folder.mkdir(parents=True)
-        except FileExistsError:
-            continue
-        except OSError:
-            return folder
-        return folder
-    raise AssertionError("unreachable")
 
 
 def _loaded(name: str, changes: list[str] | None) -> "Scenario | UsageError":

@@ -4,8 +4,10 @@ import errno
 import io
 import logging
 import os
+import signal
 import sys
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 
 def prepare() -> None:
@@ -58,6 +60,24 @@ def complain(text: str) -> None:
     with suppress(OSError):
         for line in text.splitlines():
             print(f"hydrotwin: {visible(line)}", file=sys.stderr)
+
+
+@contextmanager
+def said_when_interrupted(words: Callable[[], str]) -> Iterator[None]:
+    """Ctrl-C ends the process at once, as ever, but first says on standard error what can be done next."""
+
+    def tell(*_: object) -> None:
+        shown = "\x1b[?25h\r\x1b[K" if os.isatty(2) else ""  # the cursor, which a bar hides
+        with suppress(OSError):
+            os.write(2, f"{shown}hydrotwin: {words()}\n".encode())
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, tell)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _drop() -> None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,13 @@ from numpy.typing import NDArray
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
 from bridge.scenario.courses import reference_course
+from controller.course import NEVER
 from controller.grid import NS
 from controller.metrics import Signals
+from controller.reference import Reference, evaluate
 from twin.topology import CAVITIES
 
+REMEMBERED = 8  # courses of a reference
 SAME = 1e-9  # [m] between a reference as published and as evaluated again
 
 
@@ -56,7 +60,17 @@ def reference_at(time: np.ndarray, scenario: Scenario, events: Iterable[Any] = (
     if not scenario.controller.follows:
         return np.full(len(time), np.nan)
     course = reference_course(scenario, events)
+    if course.next(-1) == NEVER:  # nothing acts on it
+        return _positions(scenario.reference.reference(), np.ascontiguousarray(time, dtype=np.float64).tobytes())
     return np.array([course.at(round(t * NS)).value for t in time.tolist()])
+
+
+@lru_cache(REMEMBERED, typed=True)  # two kinds of reference with the same numbers are equal as tuples
+def _positions(reference: Reference, times: bytes) -> NDArray[np.float64]:
+    """The runs of a sweep ask for the same ones again and again. Nobody may write into it."""
+    found = np.array([evaluate(reference, round(t * NS) / NS).position for t in np.frombuffer(times).tolist()])
+    found.flags.writeable = False
+    return found
 
 
 def sine_of(scenario: Scenario) -> float:

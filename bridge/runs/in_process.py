@@ -11,6 +11,7 @@ from bridge.loop.plant import PlantSide
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.summarise import summarise
+from bridge.recording.summary import Summary
 from bridge.recording.writer import RecordingWriter, entries_of
 from bridge.scenario import Scenario
 from bridge.wire.events import last_words
@@ -20,6 +21,7 @@ from controller.grid import NS
 from controller.laws import ControlLaw
 
 MEMORY = Path("a run in memory")  # in place of a file's name
+JUDGED = ("state", "event", "reference")  # topics that metrics and bands are made of
 
 
 class RecordingError(RunError):
@@ -82,6 +84,14 @@ def in_memory_recording(scenario: Scenario, entries: list[Entry], run_id: int, s
 def _in_memory(scenario: Scenario, entries: list[Entry], head: dict[str, Any], status: PlantStatus) -> Recording:
     summary = summarise(recording(MEMORY, entries, {}), scenario, {}, status).plain()
     return recording(MEMORY, entries, {"run": head, "summary": summary})
+
+
+def run_unrecorded(scenario: Scenario) -> tuple[Recording, Summary]:
+    """Run a scenario and keep only what metrics and bands are made of. Raises RunError."""
+    plant, controller = sides(scenario)
+    kept = ([m for m in messages if m.topic in JUDGED] for messages in exchange(plant, controller, scenario.ticks))
+    found = recording(MEMORY, [entry for messages in kept for entry in entries_of(messages)], {})
+    return found, summarise(found, scenario, {}, plant.status())
 
 
 def _told(messages: list[Outgoing], tell: Callable[[Any], None]) -> list[Outgoing]:

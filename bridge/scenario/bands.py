@@ -110,32 +110,39 @@ def parse_band(text: str) -> Band | WindowBand:
         raise ValueError(
             f"expect {text!r}: write 'metric <= value unit', 'metric >= value unit' or 'limit cycle: none'"
         )
-    words, begin, end = _parts(match[1])
-    metric = re.sub(r"[\s-]+", "_", words)
-    statistic, _, signal = words.partition(" ")
-    if metric not in METRICS and (statistic not in STATISTICS or not signal):
-        known = [name.replace("_", " ") for name in METRICS]
-        raise ValueError(f"expect {text!r}: no metric {words!r}{nearest(words, known)}")
     try:
-        window = _window(begin, end)
-        if metric in METRICS:
-            return Band(metric, match[2], limit_of(match[3], METRICS[metric].unit, METRICS[metric].shown_unit), *window)
-        return _of_signal(statistic, signal.strip(), window, match[2], match[3])
+        named = parse_measure(match[1])
+        return named._replace(relation=match[2], limit=limit_of(match[3], *units_of(named)))
     except ValueError as error:
         raise ValueError(f"expect {text!r}: {error}") from None
+
+
+def parse_measure(text: str) -> Band | WindowBand:
+    """What a band can name, as one without a limit: "overshoot", "mean p1 from 3 s to end". Raises ValueError."""
+    words, begin, end = _parts(text.strip())
+    metric = re.sub(r"[\s-]+", "_", words)
+    statistic, _, signal = words.partition(" ")
+    if metric in METRICS:
+        return Band(metric, ">=", -math.inf, *_window(begin, end))
+    if statistic not in STATISTICS or not signal:
+        known = [name.replace("_", " ") for name in METRICS]
+        raise ValueError(f"no metric {words!r}{nearest(words, known)}")
+    if (signal := signal.strip()) not in BANDED:
+        raise ValueError(f"no signal {signal!r}{nearest(signal, BANDED)}")
+    return WindowBand(statistic, signal, *_window(begin, end), ">=", -math.inf)
+
+
+def units_of(band: Band | WindowBand) -> tuple[str, str]:
+    """The unit in SI of what a band names, and the one that people read."""
+    if isinstance(band, Band):
+        return METRICS[band.metric].unit, METRICS[band.metric].shown_unit
+    return BANDED[band.signal], shown(BANDED[band.signal])[1]
 
 
 def _parts(text: str) -> tuple[str, str | None, str | None]:
     """What is meant, and the words for begin and end of its window if it has one."""
     match = _WINDOW.fullmatch(text)
     return (match[1], match[2], match[3]) if match else (text, None, None)
-
-
-def _of_signal(statistic: str, signal: str, window: tuple[Moment, Moment], relation: str, limit: str) -> WindowBand:
-    if signal not in BANDED:
-        raise ValueError(f"no signal {signal!r}{nearest(signal, BANDED)}")
-    unit = BANDED[signal]
-    return WindowBand(statistic, signal, *window, relation, limit_of(limit, unit, shown(unit)[1]))
 
 
 def limit_of(text: str, unit: str, shown_unit: str) -> float:

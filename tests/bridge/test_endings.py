@@ -69,8 +69,8 @@ def test_who_ends_in_order_is_not_kept_waiting():
 
 
 def test_a_worker_that_is_killed_is_said_in_one_line():
-    with pytest.raises(RunError, match="a worker process was killed"):
-        list(local(_killed, [{"a": 1}, {"a": 2}], 2))
+    with pytest.raises(RunError, match="a worker process was killed"), local(_killed, 2) as ask:
+        list(ask([{"a": 1}, {"a": 2}]))
 
 
 def _killed(point: object) -> dict:

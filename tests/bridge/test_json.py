@@ -20,6 +20,7 @@ SHORT = ("--set", "duration=0.1")
 ALONE = {  # what each verb is called with; FILE is a recording
     "run": ("step", "--mode", "inprocess", *SHORT, "--record", "r.mcap", "--json", "-"),
     "check": ("step", *SHORT, "--json"),
+    "sweep": ("step", "controller.gain=1,2", *SHORT, "--workers", "1", "-o", "sweep", "--json"),
     "scenarios": ("--json",),
     "describe": ("step", "--json"),
     "convergence": ("step", *SHORT, "--json"),

@@ -33,9 +33,11 @@ def test_the_page_runs_as_it_stands(capsys: pytest.CaptureFixture[str]):
     place: dict[str, object] = {}
     exec(BLOCKS[0], place)
     exec(BLOCKS[1], place)
+    exec(BLOCKS[2], place)
     printed = capsys.readouterr().out
     assert "overshoot <= 5 %" in printed
     assert "Pa 3.0" in printed
+    assert "'loop.delay': 0.0" in printed
 
 
 def test_a_run_in_memory_is_that_on_disk(tmp_path: Path):
@@ -141,7 +143,7 @@ def test_a_hole_in_a_signal_is_not_within_any_limit(ramp: Signal):
 def test_the_steps_for_a_ci_service_run_and_keep_what_has_failed(tmp_path: Path):
     """Those of the page, but for the installation, in a shell; with two further tests, which fail."""
     (tmp_path / "my_laws.py").write_text(BLOCKS[0].split("run = ")[0])
-    tests = BLOCKS[2] + "\n\ndef test_that_fails(rig):\n    rig.signal('p2').stays(below='1 bar')\n"
+    tests = BLOCKS[3] + "\n\ndef test_that_fails(rig):\n    rig.signal('p2').stays(below='1 bar')\n"
     tests += "import pytest\n@pytest.mark.parametrize('p', ['a/b'])\ndef test_with(rig, p):\n    assert not rig.run()\n"
     (tmp_path / "test_laws.py").write_text(tests)
     steps = [step for step in re.findall(r"- run: (.*)", PAGE) if "pip install" not in step]

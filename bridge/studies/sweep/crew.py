@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from functools import partial
 
 from bridge.errors import RunError
 from bridge.machine.children import guarded
@@ -16,6 +17,7 @@ WAY_OUT = "memory may have run out; run it again with fewer --workers"
 
 Task = Callable[[Point], Result]  # importable by name, pure
 Done = Iterator[tuple[Point, Result]]  # in the order in which they come
+Ask = Callable[[Sequence[Point]], Done]  # of a crew that stands ready: once or many times
 
 
 def cores() -> int:
@@ -29,15 +31,20 @@ def alone(task: Task, points: Sequence[Point]) -> Done:
         yield point, task(point)
 
 
-def local(task: Task, points: Sequence[Point], workers: int) -> Done:
-    """In processes of this machine. They are new ones and inherit no thread of this one. RunError when one dies."""
+@contextmanager
+def local(task: Task, workers: int) -> Iterator[Ask]:
+    """Processes of this machine. They are new ones and inherit no thread of this one. RunError when one dies."""
     spawn = multiprocessing.get_context("spawn")
-    with guarded() as environment, ProcessPoolExecutor(min(workers, len(points)), spawn) as pool:
-        with _starting(environment):
-            asked = {pool.submit(task, point): point for point in points}
-        try:
+    with guarded() as environment, ProcessPoolExecutor(workers, spawn) as pool:
+
+        def ask(points: Sequence[Point]) -> Done:
+            with _starting(environment):
+                asked = {pool.submit(task, point): point for point in points}
             for future in as_completed(asked):
                 yield asked[future], future.result()
+
+        try:
+            yield ask
         except BrokenProcessPool:
             raise RunError(f"a worker process was killed: {WAY_OUT}") from None
         finally:
@@ -58,8 +65,9 @@ def _starting(environment: dict[str, str]) -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
-def cluster(task: Task, points: Sequence[Point], address: str) -> Done:
-    """On the workers of a Dask scheduler. Raises RunError when there is none at the address, or no Dask here."""
+@contextmanager
+def cluster(task: Task, address: str) -> Iterator[Ask]:
+    """The workers of a Dask scheduler. Raises RunError when there is none at the address, or no Dask here."""
     try:
         from distributed import Client
         from distributed import as_completed as completed
@@ -70,16 +78,24 @@ def cluster(task: Task, points: Sequence[Point], address: str) -> Done:
     except (OSError, ValueError, TimeoutError) as error:
         raise RunError(f"no Dask scheduler answers at {address}: {error}") from None
     with client:
-        futures = client.map(task, points, pure=False)
-        asked = {future.key: point for future, point in zip(futures, points, strict=True)}
-        for future in completed(futures):
-            yield asked[future.key], future.result()
+
+        def ask(points: Sequence[Point]) -> Done:
+            futures = client.map(task, points, pure=False)
+            asked = {future.key: point for future, point in zip(futures, points, strict=True)}
+            for future in completed(futures):
+                yield asked[future.key], future.result()
+
+        yield ask
 
 
-def chosen(task: Task, points: Sequence[Point], workers: int, scheduler: str | None) -> Done:
-    """Whoever the options ask for."""
+@contextmanager
+def chosen(task: Task, most: int, workers: int, scheduler: str | None) -> Iterator[Ask]:
+    """Whoever the options ask for; `most`: so many points will be asked for at once."""
     if scheduler is not None:
-        return cluster(task, points, scheduler)
-    if workers == 1 or len(points) < 2:
-        return alone(task, points)
-    return local(task, points, workers)
+        with cluster(task, scheduler) as ask:
+            yield ask
+    elif workers == 1 or most < 2:
+        yield partial(alone, task)
+    else:
+        with local(task, min(workers, most)) as ask:
+            yield ask

@@ -3,7 +3,7 @@
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from bridge.machine.host import versions
-from bridge.studies.sweep.crew import Task, chosen, cores
+from bridge.studies.sweep.crew import Done, Task, chosen, cores
 from bridge.studies.sweep.journal import (
     Journal,
     Point,
@@ -46,8 +46,10 @@ def sweep(
     journal = None if part is None else Journal(part, _identity(task, about))
     found = {} if journal is None else dict(journal.found)
     missing = [point for point in points if key_of(point) not in found]
-    with _progress(str(about.get("title", "sweep")), len(points), len(points) - len(missing)) as advance:
-        for point, result in chosen(task, missing, crew.workers or cores(), crew.scheduler) if missing else ():
+    title, workers = str(about.get("title", "sweep")), crew.workers or cores()
+    standing = chosen(task, len(missing), workers, crew.scheduler) if missing else nullcontext(_nobody)
+    with progress(title, len(points), len(points) - len(missing)) as advance, standing as ask:
+        for point, result in ask(missing):
             if journal is not None:
                 journal.add(point, result)
             found[key_of(point)] = result
@@ -55,6 +57,10 @@ def sweep(
     if journal is not None:
         journal.remove()
     return [found[key_of(point)] for point in points]
+
+
+def _nobody(points: Sequence[Point]) -> Done:
+    return iter(())
 
 
 def _identity(task: Task, about: Mapping[str, Any]) -> dict[str, Any]:
@@ -65,7 +71,7 @@ def _identity(task: Task, about: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def _progress(title: str, total: int, done: int) -> Iterator[Any]:
+def progress(title: str, total: int, done: int) -> Iterator[Any]:
     """A bar on standard error; a line now and then where that is not a terminal."""
     if sys.stderr.isatty():
         columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
