@@ -89,6 +89,21 @@ def closed(loop: SampledLoop, s: ArrayLike, d: ArrayLike) -> Array:
     return loop.free - loop.entry[..., :, None] * (s * loop.position + d * loop.velocity)[..., None, :]
 
 
+def with_system(loop: SampledLoop, a: Array, b: Array, c: Array, d: Array) -> SampledLoop:
+    """The loop under a linear system in place of both gains; the gain s is a factor on its output then.
+
+    z <- a z + b (y, v), u = s (c z + d (y, v)), of position and velocity: b is (m, 2), d (2,). The state grows by z.
+    """
+    n, m = loop.free.shape[-1], len(c)
+    seen = np.stack(np.broadcast_arrays(loop.position, loop.velocity), axis=-2)
+    free = np.zeros((*loop.free.shape[:-2], n + m, n + m))
+    free[..., :n, :n], free[..., n:, :n], free[..., n:, n:] = loop.free, b @ seen, a
+    row = np.zeros(free.shape[:-1])
+    row[..., :n], row[..., n:] = -(d @ seen), -c
+    entry = np.concatenate([loop.entry, np.zeros((*loop.entry.shape[:-1], m))], axis=-1)
+    return SampledLoop(free, entry, row, np.zeros_like(row))
+
+
 def monodromy(s: ArrayLike, d: ArrayLike, k: ArrayLike, gamma: ArrayLike, timing: Timing) -> Array:
     """The dimensionless actuator's matrix from sample to sample, (..., n, n); every number may be an array.
 

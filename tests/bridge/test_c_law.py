@@ -67,7 +67,7 @@ def answers(asked: Scenario, count: int, sample: Sample = REST[0], target: Targe
     law, memory, found = law_of(asked.controller), None, []
     gains = law.prepare(law_gains(asked))
     for _ in range(count):
-        spool, memory = law.answer(sample, target, memory, gains)
+        spool, memory, *_ = law.answer(sample, target, memory, gains)
         found.append(spool)
     return found
 
@@ -152,8 +152,8 @@ def test_the_memory_is_forgotten_at_a_safe_state_unless_the_law_has_hooks(kept: 
     law = law_of(asked.controller)
     gains = law.prepare(law_gains(asked))
     assert law.on_safe_state(None) is None
-    _, memory = law.answer(*REST, None, gains)
-    _, memory = law.answer(*REST, law.on_resume(law.on_safe_state(memory)), gains)
+    _, memory, *_ = law.answer(*REST, None, gains)
+    _, memory, *_ = law.answer(*REST, law.on_resume(law.on_safe_state(memory)), gains)
     assert law.answer(*REST, memory, gains)[0] == pytest.approx(0.33 if kept else 0.02)
 
 

@@ -200,10 +200,14 @@ class CycleAdvice(NamedTuple):
 
 
 def refuse_linear(scenario: Scenario) -> None:
-    """Raises ScenarioError for a loop that the linear theory does not know."""
+    """Raises ScenarioError for a law that the linear theory does not know."""
     if not isinstance(scenario.controller, Pd):
         kind = scenario.controller.kind
         raise ScenarioError(f"controller.kind {kind!r}: the linear theory is that of 'pd'; set controller.kind = 'pd'")
+    _refuse_switching(scenario)
+
+
+def _refuse_switching(scenario: Scenario) -> None:
     if scenario.rig.valve.kind != "proportional":
         raise ScenarioError("rig.valve.kind 'switching' has no gain; set rig.valve.kind = 'proportional'")
 
@@ -217,7 +221,7 @@ def at_reference_end(scenario: Scenario) -> Scenario:
 
 def plants_of(scenario: Scenario) -> dict[str, RigPlant]:
     """The plants about where the reference ends. Raises ScenarioError where the linear theory has no answer."""
-    refuse_linear(scenario)
+    _refuse_switching(scenario)
     try:
         return plants(at_reference_end(scenario))
     except ValueError as error:
@@ -287,6 +291,7 @@ def _linear(scenario: Scenario) -> tuple[dict[str, PointAdvice], list[str]]:
     if timing.delay > LONGEST * timing.period:
         return {}, [f"no linear theory: loop.delay {timing.delay:g} s is more than {LONGEST} sampling periods"]
     try:
+        refuse_linear(scenario)
         found, own = plants_of(scenario), gains(scenario)
         of = {name: margins_of(p.plant(), timing, own.proportional, own.derivative) for name, p in found.items()}
     except (ValueError, ScenarioError) as error:

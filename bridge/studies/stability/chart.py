@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bridge.errors import nearest
 from bridge.scenario import Scenario
 from bridge.scenario.gains import gains
-from bridge.studies.stability.advice import at_reference_end, plants_of
+from bridge.studies.stability.advice import at_reference_end, plants_of, refuse_linear
 from bridge.studies.stability.rig_loop import timing_of
 from controller.law import per_metre, volts_per_percent
 from controller.stability import SampledLoop, Timing, closed, linear_actuator, multipliers, sampled_loop
@@ -105,12 +105,19 @@ class OfRig(Family):
     """A scenario's rig about one of its points."""
 
     def __init__(self, scenario: Scenario, point: str = "") -> None:
-        found = plants_of(scenario)
-        self.scenario, self.timing = at_reference_end(scenario), timing_of(scenario)
-        self.about_point = found[point] if point in found else next(iter(found.values()))
-        own, times = gains(scenario), {"period": self.timing.period * 1e3, "delay": self.timing.delay * 1e3}
+        refuse_linear(scenario)
+        own, loop = gains(scenario), scenario.loop
+        times = {"period": loop.sample_period * 1e3, "delay": loop.delay * 1e3}
+        self.scenario = scenario
         numbers = {"gain": self.volts(own.proportional), "derivative": self.volts(own.derivative), "damping": 0.0}
-        super().__init__({**numbers, **times}, f"{scenario.name}, linear about its point {self.about_point.point!r}")
+        self._about(scenario, point, {**numbers, **times})
+
+    def _about(self, scenario: Scenario, point: str, numbers: Mapping[str, float]) -> None:
+        """Take the rig about a point, or about its first one."""
+        found = plants_of(scenario)
+        self.asked, self.scenario, self.timing = scenario, at_reference_end(scenario), timing_of(scenario)
+        self.about_point = found[point] if point in found else next(iter(found.values()))
+        super().__init__(numbers, f"{scenario.name}, linear about its point {self.about_point.point!r}")
 
     def volts(self, gain: float) -> float:
         """A gain in volts per %."""

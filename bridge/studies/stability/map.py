@@ -20,6 +20,8 @@ from bridge.studies.stability.chart import (
 )
 from bridge.studies.stability.chart_drawing import NOTHING, write
 from bridge.studies.stability.equivalent import scaled
+from bridge.studies.stability.matrices_chart import OfMatrices
+from bridge.studies.stability.matrices_chart import refuse_axes as refuse_matrices_axes
 from bridge.studies.stability.relay_drawing import write_relay
 from bridge.studies.stability.relay_map import LEAST as SHORTEST
 from bridge.studies.stability.relay_map import (
@@ -74,7 +76,7 @@ def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> l
     if scenario is not None and scenario.controller.kind == "relay":
         return _relay(wanted, scenario, output, Crew(workers, scheduler))
     plain = Plainly({}, wanted.derivative, wanted.filter_time or 0.0)
-    family: Family = plain if scenario is None else OfRig(scenario, wanted.about)
+    family: Family = plain if scenario is None else _of_rig(scenario, wanted)
     given = numbers(wanted.fixed, [*family.numbers, *(OWN if wanted.simulate else ())])
     family.numbers |= given
     x, y = (span(axis, text, family, wanted.cells) for axis, text in ((wanted.across, wanted.x), (wanted.up, wanted.y)))
@@ -82,12 +84,20 @@ def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> l
     places = [(a, b) for a in inner(x, wanted.runs) for b in inner(y, wanted.runs)]
     part, crew = output.with_name(f"{output.name}.part"), Crew(workers, scheduler)
     overlay = NOTHING
-    if scenario is not None and places:
-        overlay = twin_runs(scenario, wanted.across, wanted.up, places, part, crew)
+    if isinstance(family, OfRig) and places:
+        overlay = twin_runs(family, wanted.across, wanted.up, places, part, crew)
     elif wanted.simulate and places:
         overlay = actuator_runs(plain, wanted.across, wanted.up, places, part, crew)
     marked = None if wanted.mark is None else scaled(load(wanted.mark))
     return write(drawn, overlay, output, marked)
+
+
+def _of_rig(scenario: Scenario, wanted: Wanted) -> OfRig:
+    """The loops of a rig under the scenario's law."""
+    if scenario.controller.kind != "state-space":
+        return OfRig(scenario, wanted.about)
+    refuse_matrices_axes(wanted.across, wanted.up, *(entry.partition("=")[0] for entry in wanted.fixed))
+    return OfMatrices(scenario, wanted.about)
 
 
 def _relay(wanted: Wanted, scenario: Scenario, output: Path, crew: Crew) -> list[Path]:

@@ -4,8 +4,10 @@ import math
 from typing import Any, NamedTuple
 
 from bridge.scenario import Scenario
+from bridge.scenario.controllers import StateSpace
 from bridge.scenario.references import Step
 from bridge.studies.stability.criterion import Swing, duration, judge_swing
+from bridge.studies.stability.sampled_law import at_gain, scaled_matrices
 from bridge.studies.stability.trial import (
     Stand,
     Trace,
@@ -33,14 +35,14 @@ class TwinEdge(NamedTuple):
 
 
 def probe(scenario: Scenario, gain: float, size: float = STEP) -> Scenario:
-    """The scenario as a trial at a gain [1/m]: its rig, loop and law; held, then stepped by `size` [m]."""
+    """The scenario as a trial at a gain [1/m], of matrices a factor: held, then stepped by `size`."""
     interval = scenario.loop.sample_period
     at = interval * math.ceil(max(AT, scenario.loop.delay) / interval)
     held = scenario.start.position
     reference = Step(kind="step", start=held, end=held + size, at=at)
-    controller = scenario.controller.model_copy(update={"gain": f"{gain!r} 1/m"})
-    update: dict[str, Any] = {"reference": reference, "controller": controller, "duration": duration(at, interval)}
-    return scenario.model_copy(update=update)
+    update: dict[str, Any] = {"reference": reference, "duration": duration(at, interval)}
+    changed = scaled_matrices if isinstance(scenario.controller, StateSpace) else at_gain
+    return changed(scenario, gain).model_copy(update=update)
 
 
 def swing_at(scenario: Scenario, gain: float, size: float, on: Stand) -> Swing:

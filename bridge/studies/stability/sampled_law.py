@@ -67,7 +67,7 @@ def free_gain(scenario: Scenario) -> FreeGain:
 def at_free(scenario: Scenario, gain: float, free: FreeGain) -> tuple[Scenario, float]:
     """The scenario at its free gain, and the factor on its law's answer that is left to apply."""
     if isinstance(scenario.controller, StateSpace):
-        return _scaled_matrices(scenario, gain), 1.0
+        return scaled_matrices(scenario, gain), 1.0
     return (scenario, gain) if free.is_factor else (at_gain(scenario, gain), 1.0)
 
 
@@ -76,7 +76,8 @@ def at_gain(scenario: Scenario, gain: float) -> Scenario:
     return _with(scenario, gain=f"{gain!r} 1/m")
 
 
-def _scaled_matrices(scenario: Scenario, factor: float) -> Scenario:
+def scaled_matrices(scenario: Scenario, factor: float) -> Scenario:
+    """The scenario with a factor on C and D of its law."""
     own: Any = scenario.controller
     rows = {name: [[factor * number for number in row] for row in getattr(own, name)] for name in ("C", "D")}
     return _with(scenario, **rows)
