@@ -70,6 +70,7 @@ class WindowBand(NamedTuple):
     end: Moment
     relation: str  # "<=" | ">="
     limit: float  # in the unit of the signal
+    unit: str = ""  # SI, of a signal that only the run knows
 
 
 def judge(metrics: Metrics, bands: list[Band]) -> list[BandResult]:

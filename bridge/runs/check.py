@@ -1,21 +1,33 @@
 """Judge scenarios by the bands they state: what a user's CI calls."""
 
+import math
 import time
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
+from numpy.typing import NDArray
 
-from bridge.errors import ScenarioError, visible
+from bridge.errors import ScenarioError, nearest, visible
 from bridge.processes.options import RunOptions
 from bridge.recording.columns import signals, sine_of
 from bridge.recording.names import own_name
 from bridge.recording.reader import Recording, read
+from bridge.recording.signals import signals_of
 from bridge.recording.summary import Summary
 from bridge.runs.run import run_scenario
 from bridge.scenario import Scenario
-from bridge.scenario.bands import UNDEFINED, cycle_words, outside, parse_band, signal_with_unit, value_with_unit
+from bridge.scenario.bands import (
+    UNDEFINED,
+    cycle_words,
+    is_own,
+    outside,
+    parse_band,
+    signal_with_unit,
+    units_of,
+    value_with_unit,
+)
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.requirements import Expected
 from bridge.wire.events import ending_of
@@ -169,7 +181,27 @@ class Look:
         followed = {"error": self.run.reference - self.run.position, "reference": self.run.reference}
         balances = {name: balance(self.time, columns, circuit) for name, balance in BALANCES.items()}
         self.signals = columns | balances | followed
+        self._own = signals_of(found, ("signals",))
         self.moments = moments(self.time, columns, circuit) | {START: 0.0, END: float(self.time[-1])}
+
+    def series(self, band: WindowBand) -> tuple[NDArray, NDArray]:
+        """Times [s] and values of what a band is about; empty for what the law has not logged."""
+        if not is_own(band):
+            return self.time, self.signals[band.signal]
+        signal = self._own.get(band.signal)
+        return (np.array([]), np.array([])) if signal is None else (signal.stamp / NS, signal.value)
+
+    def unit(self, band: WindowBand) -> str:
+        """Its unit, SI."""
+        return self._own[band.signal].unit if band.signal in self._own else units_of(band)[0]
+
+    def unlike(self, band: WindowBand) -> str:
+        """What is wrong with a band about what the law logs; empty for nothing. 0 is the same in every unit."""
+        if band.signal not in self._own:
+            return f"the law logged no such signal{nearest(band.signal, self._own)}"
+        unit = self.unit(band)
+        same = unit == band.unit or band.limit == 0.0 or math.isinf(band.limit)
+        return "" if same else f"it is logged in {unit or 'no unit'}, the limit in {band.unit or 'none'}"
 
     def metrics(self, window: tuple[float, float]) -> Metrics:
         """The metrics of a part of the run; a constant stretch that it cuts has followed the motion before it."""
@@ -191,8 +223,10 @@ def look_up(text: str, band: Band | WindowBand, look: Look | None) -> Judgement:
         return Judgement(text, _empty(band, window), False)
     if isinstance(band, Band):
         return _judge(text, band, look.metrics(window))
-    verdict = judge_window(band, look.time, look.signals[band.signal], look.moments)
-    found = signal_with_unit(band.signal, verdict.value)
+    if is_own(band) and (wrong := look.unlike(band)):
+        return Judgement(text, f"- ({wrong})", False)
+    verdict = judge_window(band, *look.series(band), look.moments)
+    found = signal_with_unit(look.unit(band), verdict.value)
     return Judgement(text, f"- ({band.signal} has no value there)" if found == "-" else found, verdict.passed)
 
 

@@ -24,4 +24,4 @@ def _value(asked: Measure, summary: Summary, look: Look | None) -> float:
         return getattr(summary.metrics or UNKNOWN, band.metric) if isinstance(band, Band) else float("nan")
     if isinstance(band, Band):
         return getattr(look.metrics(bounds(band, look.moments)), band.metric)
-    return judge_window(band, look.time, look.signals[band.signal], look.moments).value
+    return judge_window(band, *look.series(band), look.moments).value

@@ -6,10 +6,10 @@ mm". A limit states its unit.
 
 import math
 import re
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 from bridge.errors import nearest
-from bridge.scenario.units import quantity, shown, split
+from bridge.scenario.units import in_si, quantity, shown, split
 from controller.bands import END, START, STATISTICS, WHOLE, Band, Metrics, Moment, WindowBand
 from twin.topology import BALANCE_UNITS, OBSERVED
 
@@ -66,6 +66,7 @@ MOMENTS = (START, END, "contact", "impact")
 _BAND = re.compile(r"\s*(.+?)\s*(<=|>=)\s*(.+?)\s*")
 _WINDOW = re.compile(r"(.+?)\s+from\s+(.+?)\s+to\s+(.+)")
 _MOMENT = re.compile(r"([a-z]+)(?:\s*([+-])\s*(.+))?")
+_OWN = re.compile(r"signals\.\w+")
 _CYCLE = re.compile(r"\s*limit cycle\s*:\s*(\w+)\s*")
 SMALLEST_CYCLE = 1e-9  # [m]; what the metrics call no limit cycle is exactly zero
 
@@ -95,9 +96,9 @@ def cycle_words(metrics: Metrics) -> str:
     return ", ".join(filter(None, (words, stretch if found or not known else f"the last stretch {stretch}")))
 
 
-def signal_with_unit(signal: str, value: float) -> str:
-    """A statistic of a signal as people read it."""
-    factor, unit = shown(BANDED[signal])
+def signal_with_unit(si: str, value: float) -> str:
+    """A statistic of a signal, whose unit is given, as people read it."""
+    factor, unit = shown(si)
     return "-" if value != value else f"{value * factor:.4g} {unit}".rstrip()
 
 
@@ -112,6 +113,10 @@ def parse_band(text: str) -> Band | WindowBand:
         )
     try:
         named = parse_measure(match[1])
+        if is_own(named):
+            number, written = split(match[3])
+            unit, factor = in_si(written)
+            return named._replace(relation=match[2], limit=number * factor, unit=unit)
         return named._replace(relation=match[2], limit=limit_of(match[3], *units_of(named)))
     except ValueError as error:
         raise ValueError(f"expect {text!r}: {error}") from None
@@ -127,15 +132,22 @@ def parse_measure(text: str) -> Band | WindowBand:
     if statistic not in STATISTICS or not signal:
         known = [name.replace("_", " ") for name in METRICS]
         raise ValueError(f"no metric {words!r}{nearest(words, known)}")
-    if (signal := signal.strip()) not in BANDED:
+    if (signal := signal.strip()) not in BANDED and not _OWN.fullmatch(signal):
         raise ValueError(f"no signal {signal!r}{nearest(signal, BANDED)}")
     return WindowBand(statistic, signal, *_window(begin, end), ">=", -math.inf)
+
+
+def is_own(band: Band | WindowBand) -> TypeGuard[WindowBand]:
+    """Is it about a signal that a law logs, "signals.integral"? Only the run knows those and their units."""
+    return isinstance(band, WindowBand) and _OWN.fullmatch(band.signal) is not None
 
 
 def units_of(band: Band | WindowBand) -> tuple[str, str]:
     """The unit in SI of what a band names, and the one that people read."""
     if isinstance(band, Band):
         return METRICS[band.metric].unit, METRICS[band.metric].shown_unit
+    if is_own(band):
+        return band.unit, shown(band.unit)[1]
     return BANDED[band.signal], shown(BANDED[band.signal])[1]
 
 

@@ -25,6 +25,7 @@ from bridge.replay.through import Through, replay_through
 from bridge.report.own_signals import draw_own, own_charts
 from bridge.report.page import page
 from bridge.report.subject import load_run
+from bridge.runs.check import judge_run
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.wire.messages import OF_SOME_LAWS
@@ -97,6 +98,24 @@ def test_what_a_law_logs_is_columns_and_signals_with_units(inprocess: Recording,
     assert error.value == pytest.approx(reference["position"] - measured["position"][at_samples], abs=1e-15)
     assert columns["integral"][1:] == pytest.approx(2.0 * 0.01 * np.cumsum(error.value)[:-1], abs=1e-15)
     run.signal("held").stays(above=1.0)
+
+
+@pytest.mark.parametrize(
+    ("band", "found", "passed"),
+    [
+        ("greatest signals.error <= 1 mm", "0.02441 mm", True),
+        ("least signals.error from 0.1 s to end >= 0 um", "-0.04883 mm", False),
+        ("mean signals.held >= 1", "1", True),
+        ("least signals.gain >= 2 V/%", "3 V/%", True),
+        ("least signals.gain >= 2 V", "- (it is logged in V/%, the limit in V)", False),
+        ("rms signals.eror <= 1 m", "- (the law logged no such signal; did you mean 'signals.error'?", False),
+    ],
+)
+def test_bands_may_be_about_them(inprocess: Recording, band: str, found: str, passed: bool):
+    scenario = inprocess.scenario().model_copy(update={"expect": [band]})
+    (verdict,) = judge_run(scenario, ht.Run(inprocess, scenario).summary, inprocess)
+    assert verdict.found.startswith(found)
+    assert verdict.passed is passed
 
 
 def test_they_are_exported_with_their_units(inprocess: Recording, tmp_path: Path):
