@@ -14,7 +14,8 @@ to n, counted after the header; text is its length (uint32, with the closing NUL
 All times are nanoseconds of simulated time, all other quantities SI. <rig> is `rig` unless the scenario's rig_name says
 otherwise.
 
-A controller of your own, in any language that has Zenoh:
+A control law in Python or C needs nothing of this: our controller calls it (docs/running.md; `hydrotwin messages --c`
+prints the header of a law in C). A controller of your own, in any language that has Zenoh:
  1. Open a Zenoh session in client mode, connected to the plant's address: by default {DEFAULT_ENDPOINT}; the plant is
     told another one with --listen. With `hydrotwin run --external` the plant starts with the command, and waits
     --patience seconds for you. Until it listens opening fails: try again every 0.2 s.

@@ -96,6 +96,27 @@ def test_the_page_s_law_commands_what_our_pid_commands():
         assert found[0].tolist() == found[1].tolist()
 
 
+CHANGE = '\n[[timeline]]\nset = "{}"\nat = "0.4 s"\nto = "2 V/%"\n'
+
+
+def test_a_parameter_that_changes_on_the_way_is_a_gain_that_does():
+    """From the same sample on, to the last bit."""
+    pages_law()
+    gains = 'kind = "pid"\ngain = "1 V/%"\nderivative = "0.01 V s/%"\nintegral = "0.2 V/(% s)"\n'
+    pid = f'extends = "step"\n[controller]\n{gains}anti_windup = "clamping"\n'
+    texts = page("toml") + CHANGE.format("controller.parameters.kp"), pid + CHANGE.format("controller.gain")
+    found = []
+    for name, text in zip(("a", "b"), texts, strict=True):
+        Path(f"{name}.toml").write_text(text)
+        recorded = record_in_process(load(f"{name}.toml", ["duration=1", "reference.at=0.3"]), Path(f"{name}.mcap"))
+        found.append(recorded.columns("command")["spool"].tolist())
+    assert found[0] == found[1]
+    pages = record_in_process(load("law.toml", ["duration=1", "reference.at=0.3"]), Path("c.mcap"))
+    plain = pages.columns("command")["spool"].tolist()
+    assert plain[:40] == found[0][:40]
+    assert plain[41:] != found[0][41:]
+
+
 def test_the_recording_keeps_the_law_and_its_numbers():
     pages_law()
     record_in_process(load("law.toml", ["duration=0.02"]), Path("a.mcap"))
