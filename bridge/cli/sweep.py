@@ -65,7 +65,7 @@ def sweep(
     loaded = load(scenario, changes)
     asked = measures_of(metrics or USUAL)
     along = axes_of(axes, loaded)
-    _refuse_set_twice([axis.name for axis in along], changes)
+    refuse_set_twice([axis.name for axis in along], changes)
     if all(axis.name != "duration" for axis in along):
         refuse_outside(asked, loaded)
     from bridge.runs.sweep.sweep import Wanted, refuse
@@ -83,10 +83,11 @@ def sweep(
     raise typer.Exit(found.ran == 0)
 
 
-def _refuse_set_twice(names: list[str], changes: list[str] | None) -> None:
+def refuse_set_twice(names: list[str], changes: list[str] | None) -> None:
+    """Raises UsageError for a value that is to be varied and set."""
     for change in changes or []:
         if (name := change.partition("=")[0].strip()) in names:
-            raise UsageError(f"--set {change}: {name} is an axis of the sweep; leave one of the two out")
+            raise UsageError(f"--set {change}: {name} is varied; leave one of the two out")
 
 
 def _swept(wanted: "Wanted", folder: Path, workers: int, scheduler: str | None) -> "Found":

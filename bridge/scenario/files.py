@@ -149,11 +149,8 @@ def ordered(changes: Collection[str]) -> list[str]:
 
 def apply(data: dict[str, Any], change: str) -> None:
     """Change a value by a text such as "controller.gain=0.4". Raises ScenarioError."""
-    key, sign, text = change.partition("=")
-    if not sign or not key.strip():
-        raise ScenarioError(f"{change!r} is not a change; write section.name=value, such as controller.gain=0.4")
-    *path, last = key.strip().split(".")
-    value = _value(text)
+    key, value = parsed_change(change)
+    *path, last = key.split(".")
     if last == "kind" and len(path) == 1 and isinstance(data.get(path[0]), dict):
         data[path[0]] = _of_kind(path[0], data[path[0]], value)
     for name in path:
@@ -163,6 +160,14 @@ def apply(data: dict[str, Any], change: str) -> None:
     data[last] = value
     if path == ["controller"]:
         note_change(data, last)
+
+
+def parsed_change(change: str) -> tuple[str, Any]:
+    """The name and the value of a text such as "controller.gain=0.4". Raises ScenarioError."""
+    key, sign, text = change.partition("=")
+    if not sign or not key.strip():
+        raise ScenarioError(f"{change!r} is not a change; write section.name=value, such as controller.gain=0.4")
+    return key.strip(), _value(text)
 
 
 def _value(text: str) -> Any:

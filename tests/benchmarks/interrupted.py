@@ -25,6 +25,8 @@ COMMANDS: dict[str, tuple[float, ...]] = {  # and when [s] they are interrupted
     "advise step --set loop.delay=10": (1.5, 4.0),
     "describe impingement": (0.7,),
     "convergence step": (1.5, 5.0),
+    "sweep step controller.gain=1:4:400": (1.5, 6.0),
+    "tune step --vary controller.gain=1:4": (1.5, 6.0),
     "map": (0.8, 3.0),
     "map --simulate": (2.0, 6.0),
     "map delay gain --rig delay": (2.0, 8.0),

@@ -55,6 +55,7 @@ WORDS = (
         "plant nonsense",
     ),
     *("controller nonsense", "describe nonsense", "advise nonsense", "convergence nonsense", "nonsense"),
+    *("tune nonsense", "tune step", "tune step --vary controller.gain=2:1"),
     *("sweep nonsense a=1,2", "sweep step controller.gain=1", "sweep step controller.gain=1,2 -m overshot"),
     *("run step --set rig.valve.kind=round", "run step --duration 1.00001"),
     *(f"{verb} none.mcap" for verb in ("info", "view", "digest", "replay", "report", "recover", "export --csv")),

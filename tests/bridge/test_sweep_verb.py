@@ -163,7 +163,7 @@ def test_ctrl_c_ends_it_within_a_second_and_says_how_to_continue(tmp_path: Path)
         ("controller.gain=1,,2", "a value is missing"),
         ("'controller.gain=1 V/%,20 1/m'", "write all values in one unit"),
         ("controller.gain=1,2 controller.gain=3,4", "named twice"),
-        ("controller.gain=1,2 --set controller.gain=3", "is an axis of the sweep"),
+        ("controller.gain=1,2 --set controller.gain=3", "controller.gain is varied"),
         ("controller.gain", "write NAME=VALUES"),
         ("loop.delay=0:10:3", "10 has no unit, and would be 10 s"),
         ("'loop.delay=0:10 ms:8'", "nearest: 0.0014 or 0.00145 s"),

@@ -51,7 +51,7 @@ class _Spread(NamedTuple):
     """FROM:TO:COUNT, read."""
 
     ends: tuple[str, str]
-    count: int
+    number: int
     even_ratios: bool
 
 
@@ -164,8 +164,8 @@ def _numbers(name: str, texts: Sequence[str], si_unit: str, unit: str) -> list[f
 def _between(name: str, spread: _Spread, scenario: "Scenario") -> Axis:
     import numpy as np
 
-    if spread.count > MOST_RUNS:
-        raise UsageError(f"{name}: {spread.count} values are more than {MOST_RUNS}; take fewer")
+    if spread.number > MOST_RUNS:
+        raise UsageError(f"{name}: {spread.number} values are more than {MOST_RUNS}; take fewer")
     ends = with_shared_unit([*spread.ends])
     refuse_unitless(scenario, name, ends)
     unit, si_unit = _unit(ends, name, scenario), si_unit_at(scenario, name)
@@ -173,7 +173,7 @@ def _between(name: str, spread: _Spread, scenario: "Scenario") -> Axis:
     if spread.even_ratios and low * high <= 0.0:
         raise UsageError(f"{name}: even ratios from {ends[0]} to {ends[1]} do not exist; begin beyond 0")
     between = np.geomspace if spread.even_ratios else np.linspace
-    shown = [f"{value:.{DIGITS}g}" for value in between(low, high, spread.count).tolist()]
+    shown = [f"{value:.{DIGITS}g}" for value in between(low, high, spread.number).tolist()]
     texts = tuple(f"{value} {unit}" if split(ends[1])[1] else value for value in shown)
     return Axis(name, texts, unit, si_unit, tuple(map(float, shown)), spread.even_ratios)
 

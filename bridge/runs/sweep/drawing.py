@@ -102,8 +102,8 @@ def _map(panel: Axes, found: Found, column: int, facet: int | None, edge: Theory
     (x, x_numeric), (y, y_numeric) = _places(across), _places(up)
     values = _column(rows, column, one.factor).reshape(len(x), len(y)).T
     i, j = np.argsort(x), np.argsort(y)
-    known = [row.values[column] * one.factor for row in found.rows if row.values[column] is not None]
-    ends = {"vmin": min(known), "vmax": max(known)} if known else {}  # the same for all values of a third axis
+    known = [value * one.factor for row in found.rows if (value := row.values[column]) is not None]
+    ends: Any = {"vmin": min(known), "vmax": max(known)} if known else {}  # the same for all values of a third axis
     mesh = panel.pcolormesh(x[i], y[j], values[np.ix_(j, i)], shading="nearest", cmap="viridis", **ends)
     panel.figure.colorbar(mesh, ax=panel)
     failed = [row.places for row in rows if row.reason]

@@ -43,7 +43,7 @@ def sweep(
     what else the results depend on. Raises UsageError when `part` belongs to another sweep, RunError when the
     cluster does not answer, and whatever the task raises.
     """
-    journal = None if part is None else Journal(part, _identity(task, about))
+    journal = None if part is None else Journal(part, identity(task, about))
     found = {} if journal is None else dict(journal.found)
     missing = [point for point in points if key_of(point) not in found]
     title, workers = str(about.get("title", "sweep")), crew.workers or cores()
@@ -63,7 +63,7 @@ def _nobody(points: Sequence[Point]) -> Done:
     return iter(())
 
 
-def _identity(task: Task, about: Mapping[str, Any]) -> dict[str, Any]:
+def identity(task: Task, about: Mapping[str, Any]) -> dict[str, Any]:
     """What a journal must agree on: the task, what it is about, and the sources of the twin."""
     named = getattr(task, "func", task)
     own = {"task": f"{named.__module__}.{named.__qualname__}", "twin": fingerprint()}
