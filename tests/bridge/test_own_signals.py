@@ -15,6 +15,8 @@ import hydrotwin as ht
 from bridge.cli.verbs import app  # noqa: F401  loaded before a test takes the streams
 from bridge.errors import UsageError
 from bridge.loop.hearing import ENOUGH, LONGEST, MOST, Hearing
+from bridge.processes.recorder.ring import Window
+from bridge.processes.recorder.run_file import Arrival, Request, RunFile
 from bridge.recording.digest import digest
 from bridge.recording.export import export
 from bridge.recording.info import describe
@@ -28,7 +30,7 @@ from bridge.report.subject import load_run
 from bridge.runs.check import judge_run
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
-from bridge.wire.messages import OF_SOME_LAWS
+from bridge.wire.messages import OF_SOME_LAWS, TOPICS
 from tests.support.command import hydrotwin_here
 from tests.support.processes import UNDRAWN, hydrotwin
 
@@ -198,6 +200,22 @@ def test_a_file_that_was_cut_off_keeps_them(inprocess: Recording, tmp_path: Path
     kept = read(tmp_path / "whole.mcap").columns("signals")
     assert len(kept["error"]) > 10
     assert kept["error"].tolist() == inprocess.columns("signals")["error"][: len(kept["error"])].tolist()
+
+
+def test_a_line_of_the_law_triggers_a_ring_and_what_else_is_logged_is_counted(inprocess: Recording, tmp_path: Path):
+    """What comes in the order of the bus, the controller's answers after the measurements; one signal gets lost."""
+    window = Request(window=Window(before=15_000_000, after=30_000_000), triggers=("said",))
+    file = RunFile(tmp_path / "ring.mcap", {**inprocess.metadata["run"], "mode": "lockstep", "tick": 0}, window)
+    order = [topic for topic in TOPICS if topic != "measurement"]
+    entries = sorted(inprocess.entries, key=lambda e: (e.log_time, e.topic in order and order.index(e.topic) + 1))
+    for entry in entries:
+        if (entry.topic, entry.sequence) != ("signals", 20):
+            file.take(Arrival(entry.topic, entry.data, (entry.log_time, entry.sequence)))
+    file.close({})
+    kept = read(tmp_path / "ring.mcap")
+    assert kept.columns("signals")["stamp"].tolist() == [10_000_000 * i for i in range(1, 6)]
+    assert [event.text for event in kept.messages("said")] == SAID
+    assert file.losses() == {"signals": 1}
 
 
 def test_what_a_law_says_is_told_with_the_events(inprocess: Recording):
