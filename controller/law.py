@@ -21,6 +21,18 @@ class Sample(NamedTuple):
     p3: float  # [Pa], upper chamber
 
 
+class TrueSample(NamedTuple):
+    """A sample for a law that asks for what no card reads."""
+
+    stamp_ns: int
+    position: float
+    velocity: float
+    p1: float
+    p2: float
+    p3: float
+    true: Any  # the true state of the rig at the stamp, by the names of the message PlantState
+
+
 class Gains(NamedTuple):
     """Of `pd`, and what a user's law is given."""
 

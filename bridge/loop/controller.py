@@ -13,7 +13,7 @@ from bridge.scenario.gains import law_gains
 from bridge.wire.codec import Reference, ValveCommand
 from bridge.wire.messages import EventKind, Outgoing
 from controller.grid import NS, is_sample
-from controller.law import Sample
+from controller.law import Sample, TrueSample
 from controller.laws import ControlLaw
 from controller.reference import Target, evaluate
 
@@ -34,7 +34,17 @@ class ControllerSide:
         self._tuning = ControllerTuning(scenario)
         for changed in self._tuning.foreseen():
             self.law.prepare(law_gains(changed))
+        self.sees_truth = scenario.controller.sees_truth
+        self._true: Any = None
         self._memory: Any = None
+
+    def see(self, state: Any) -> None:
+        """Take the true state of a tick, before its measurement, for a law that asks for it."""
+        self._true = state
+
+    def waits(self, stamp: int) -> bool:
+        """Does the law need the true state of a sample, and has not got it yet?"""
+        return self.sees_truth and (self._true is None or self._true.stamp != stamp) and is_sample(stamp, self.grid)
 
     @property
     def published(self) -> dict[str, int]:
@@ -50,7 +60,8 @@ class ControllerSide:
         if not is_sample(stamp, self.grid):
             return []
         self.own.run_id = measurement.run_id
-        spool, target = self.decide(sample_of(stamp, vars(measurement)))
+        sample = sample_of(stamp, vars(measurement))
+        spool, target = self.decide(TrueSample(*sample, self._true) if self.sees_truth else sample)
         sequence, self._sent = self._sent, self._sent + 1
         position = target.position if self.follows else math.nan
         own = {"run_id": measurement.run_id, "source": self.source, "sequence": sequence}
@@ -81,7 +92,7 @@ class ControllerSide:
         """Take a change that the plant told before this controller came."""
         self._tuning.heed(text, entry, apply_at)
 
-    def decide(self, sample: Sample) -> tuple[float, Target]:
+    def decide(self, sample: Sample | TrueSample) -> tuple[float, Target]:
         """The spool reference for the next sample, and the target it is after."""
         stamp = sample.stamp_ns
         if (changed := self._tuning.changed(stamp)) is not None:

@@ -33,6 +33,8 @@ def answered(plant: PlantSide, controller: ControllerSide, out: list[Outgoing]) 
 
     out: the plant's messages of this tick, whose events the controller heeds for its next answer.
     """
+    if controller.waits(plant.now):
+        controller.see(plant.true_state())
     answers = controller.answer(plant.measurement)
     for answer in answers:
         if answer.topic == "command":

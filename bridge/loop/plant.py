@@ -204,12 +204,15 @@ class PlantSide:
         )
         return Outgoing("measurement", self.now, sequence, self.measurement)
 
+    def true_state(self) -> Any:
+        """The message that was last published, or is to be."""
+        # in the order of OBSERVED, of which the message is made; keywords would take longer than the whole card
+        head = self.run_id, max(0, self.published.get("state", 0) - 1), self.tick_number, self.now, self._reference
+        return PlantState(*head, *self._observed.tolist())
+
     def _true_state(self) -> Outgoing:
         sequence = self._count("state")
-        # in the order of OBSERVED, of which the message is made; keywords would take longer than the whole card
-        head = self.run_id, sequence, self.tick_number, self.now, self._reference
-        state = PlantState(*head, *self._observed.tolist())
-        return Outgoing("state", self.now, sequence, state)
+        return Outgoing("state", self.now, sequence, self.true_state())
 
     def _viewer_messages(self) -> list[Outgoing]:
         m = self.measurement

@@ -44,7 +44,9 @@ class ControllerProcess:
         self._last_tick: int | None = None  # of the plant, once it has said so
         self._deadline = float("inf")
         self._fault: Exception | None = None
-        for topic, heed in (("measurement", self._answer), ("event", self._heed), ("status", self._follow)):
+        self._waiting: Any = None  # the measurement whose true state has not come yet
+        heeded = [("measurement", self._answer), ("event", self._heed), ("status", self._follow)]
+        for topic, heed in [*heeded, *([("state", self._see)] if side.sees_truth else [])]:
             ready(topic)
             bus.subscribe(topic, self._guarded(topic, heed))
         bus.watch()
@@ -96,7 +98,15 @@ class ControllerProcess:
 
         return receive
 
+    def _see(self, state: Any) -> None:
+        self.side.see(state)
+        if self._waiting is not None and self._waiting.stamp == state.stamp:
+            self._answer(self._waiting)
+
     def _answer(self, measurement: Any) -> None:
+        self._waiting = measurement if self.side.waits(measurement.stamp) else None
+        if self._waiting is not None:
+            return
         self._publish(self.side.answer(measurement))
         self._run_id, self._stamp, self._tick = measurement.run_id, measurement.stamp, measurement.tick
 

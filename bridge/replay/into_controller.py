@@ -22,6 +22,7 @@ from bridge.wire.messages import SOURCED, Mode, Outgoing, Phase
 from bridge.wire.status import PlantStatus
 from controller.grid import Sampling, is_sample
 
+ORDER = {"state": 0, "measurement": 1, "event": 2}  # of what belongs to one instant, as a controller gets it
 PATIENCE = 10.0  # seconds for an answer
 STARTUP = 60.0  # seconds for the controller to appear
 
@@ -44,8 +45,10 @@ def _source(entry: Entry) -> int:
     return decode(entry.data, entry.topic).source
 
 
-def heard(recording: Recording, grid: Sampling) -> list[Entry]:
+def heard(recording: Recording, grid: Sampling, truth: bool = False) -> list[Entry]:
     """The measurements that the controller answered, or may have, and the events of the plant, in their order.
+
+    truth: before each measurement the true state of its instant, too.
 
     It counts its answers, so no measurement can hide.
 
@@ -62,13 +65,17 @@ def heard(recording: Recording, grid: Sampling) -> list[Entry]:
         fed += open_samples[len(open_samples) - missing :] if 0 < missing <= len(open_samples) else []
         fed.append(entry)
         open_samples, last = [], sequences[entry.log_time]
-    return sorted([*fed, *recording.of("event")], key=lambda entry: (entry.log_time, entry.topic == "event"))
+    instants = {entry.log_time for entry in fed} if truth else set()
+    seen = [entry for entry in recording.of("state") if entry.log_time in instants] if truth else []
+    return sorted([*seen, *fed, *recording.of("event")], key=lambda entry: (entry.log_time, ORDER[entry.topic]))
 
 
 def through_side(entries: list[Entry], side: ControllerSide) -> Iterator[list[Outgoing]]:
     """The answers of the control law to measurements, without processes; it heeds the plant's events between them."""
     for entry in entries:
-        if entry.topic == "event":
+        if entry.topic == "state":
+            side.see(decode(entry.data, "state"))
+        elif entry.topic == "event":
             yield side.heed(decode(entry.data, "event"))
         else:
             yield side.answer(decode(entry.data, "measurement"))
@@ -108,9 +115,9 @@ class FedController:
         self._bus.await_roles(("controller",), STARTUP, self._child.ended)
         last: Any = None
         for entry in entries:
-            if entry.topic == "event":
-                event = decode(entry.data, "event")
-                self._bus.publish(Outgoing("event", entry.log_time, entry.sequence, event), entry.data)
+            if entry.topic in ("event", "state"):
+                message = decode(entry.data, entry.topic)
+                self._bus.publish(Outgoing(entry.topic, entry.log_time, entry.sequence, message), entry.data)
                 continue
             last = decode(entry.data, "measurement")
             self._bus.publish(Outgoing("measurement", entry.log_time, entry.sequence, last), entry.data)

@@ -118,7 +118,8 @@ def _replayed(
 def _alone(recording: Recording, scenario: Scenario, into: str) -> Iterator[list[Outgoing]]:
     if into == "plant":
         return through_plant(recording, scenario)
-    return through_side(heard(recording, scenario.loop.grid()), ControllerSide(scenario, owner(recording)))
+    fed = heard(recording, scenario.loop.grid(), scenario.controller.sees_truth)
+    return through_side(fed, ControllerSide(scenario, owner(recording)))
 
 
 def _through(recording: Recording, scenario: Scenario, into: str, bus: Bus, endpoint: str) -> Iterator[list[Outgoing]]:
@@ -126,7 +127,7 @@ def _through(recording: Recording, scenario: Scenario, into: str, bus: Bus, endp
         yield from through_plant(recording, scenario)
         return
     with FedController(bus, endpoint, scenario, owner(recording)) as controller:
-        yield from controller.answers(heard(recording, scenario.loop.grid()))
+        yield from controller.answers(heard(recording, scenario.loop.grid(), scenario.controller.sees_truth))
 
 
 def _with_residuals(messages: list[Outgoing], residuals: Residuals) -> list[Outgoing]:

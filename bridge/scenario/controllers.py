@@ -44,6 +44,11 @@ class Base(Part):
     limit: Fraction = Field(default=1.0, gt=0.0, le=1.0, description="saturation of the spool reference")
 
     @property
+    def sees_truth(self) -> bool:
+        """Is the law given the true state?"""
+        return False
+
+    @property
     def follows(self) -> bool:
         """Does the reference say where the piston should be?"""
         return True
@@ -242,6 +247,9 @@ class Python(PdGains):
 
     kind: Literal["python"]
     law: Annotated[str, AfterValidator(_function)] = Field(description="module:function or FILE.py:function")
+    true_state: bool = Field(
+        default=False, description="the law reads sample.true, the true state, which no real controller has"
+    )
     parameters: Annotated[dict[str, Any], AfterValidator(parameters_of)] = Field(
         default={}, description="of the law, which reads gains.parameters.NAME; a text with a unit arrives in SI"
     )
@@ -250,6 +258,10 @@ class Python(PdGains):
         """Those of `controller.law.pd`, and the parameters as plain numbers and words."""
         parameters = {name: parameter_in_si(value, scale) for name, value in self.parameters.items()}
         return laws.UserGains(*self._own(scale), parameters=parameters)
+
+    @property
+    def sees_truth(self) -> bool:
+        return self.true_state
 
     @property
     def needs_tachometer(self) -> bool:

@@ -57,7 +57,7 @@ ALONE = {  # what each verb is called with; FILE is a recording
     "valve chatter": ("--json",),
     "valve chart": ("--cells", "2", "--workers", "1", "--json"),
 }
-ON_A_BUS = {"plant", "record", "reset", "replay", "remote"}
+ON_A_BUS = {"plant", "record", "reset", "replay", "remote", "get", "set", "watch"}
 
 
 def verbs(command: object, name: str = "") -> Iterator[str]:

@@ -32,7 +32,7 @@ from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.wire.messages import OF_SOME_LAWS, TOPICS
 from tests.support.command import hydrotwin_here
-from tests.support.processes import UNDRAWN, hydrotwin
+from tests.support.processes import UNDRAWN, hydrotwin, run_recorded
 
 PI = """\
 import logging
@@ -42,7 +42,7 @@ import hydrotwin as ht
 
 log = logging.getLogger("mine")
 log.setLevel(logging.INFO)
-log.addHandler(logging.StreamHandler())
+log.handlers = [logging.StreamHandler()]
 log.handlers[0].setFormatter(logging.Formatter("%(levelname)s %(message)s"))
 log.propagate = False
 print("loaded")
@@ -302,3 +302,28 @@ def test_what_a_law_says_before_it_fails_is_not_lost(tmp_path: Path, mode: str):
     told = [line.partition("hydrotwin: ")[2] for line in done.stderr.splitlines() if "law: " in line]
     assert told == [f"t = 0 s: law: {said}", f"t = 0.01 s: law: {said}"]
     assert [event.stamp for event in read(tmp_path / "a.mcap").messages("said")] == [0, 10_000_000]
+
+
+TRUTH = """\
+def law(sample, target, memory, gains):
+    assert sample.true.stamp == sample.stamp_ns
+    return 0.2, memory, {"p_upper": (sample.true.p_upper, "Pa"), "friction": (sample.true.friction, "N")}
+"""
+
+
+def test_a_law_that_asks_for_it_sees_the_true_state_of_its_sample_in_every_mode(tmp_path: Path):
+    """What it logs is the state that is recorded for its instant; a replay gives it again."""
+    (tmp_path / "truth.py").write_text(TRUTH)
+    file = tmp_path / "truth.toml"
+    own = 'kind = "python"\nlaw = "truth.py:law"\ntrue_state = true\n'
+    file.write_text(f'extends = "step"\nduration = 0.4\nexpect = []\n[controller]\n{own}')
+    alone = record_in_process(load(str(file)), tmp_path / "alone.mcap")
+    signals, state = alone.columns("signals"), alone.columns("state")
+    rows = np.searchsorted(state["stamp"], signals["stamp"])
+    assert len(rows) == 41
+    for name in ("p_upper", "friction"):
+        assert signals[name].tolist() == state[name][rows].tolist()
+    wired = run_recorded(tmp_path / "wired.mcap", str(file), "--mode", "lockstep")
+    assert digest(wired.path) == digest(alone.path)
+    verdict = replay_through(alone.path, Through("controller", tmp_path / "again.mcap", alone=True))
+    assert {difference.greatest for difference in verdict.differences} == {0.0}
