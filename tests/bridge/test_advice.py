@@ -201,7 +201,7 @@ def test_a_control_system_is_a_law(tmp_path, monkeypatch):
     own: Any = law_gains(lag)
     memory, found = None, []
     for k in range(20):
-        spool, memory = law.answer(Sample(k, 0.0, 0.0, 0.0, 0.0, 0.0), Target(1e-3, 0.0), memory, own)
+        spool, memory, *_ = law.answer(Sample(k, 0.0, 0.0, 0.0, 0.0, 0.0), Target(1e-3, 0.0), memory, own)
         found.append(spool)
     steady = np.asarray(lfilter([0.0, 0.3], [1.0, -0.7], np.full(20, 1e-3))) * own.proportional
     assert found == pytest.approx(np.sign(steady) * (own.overlap + (1.0 - own.overlap) * steady))

@@ -35,7 +35,7 @@ def commands(rig: Scenario, inputs: list[tuple[float, float]]) -> list[float]:
     """At x = 0.1 m - error, with the tachometer's velocity."""
     law, gains, memory, found = law_of(rig.controller), law_gains(rig), None, []
     for error, v in inputs:
-        spool, memory = law.answer(Sample(0, 0.1 - error, v, 0.0, 0.0, 0.0), Target(0.1, 0.0), memory, gains)
+        spool, memory, *_ = law.answer(Sample(0, 0.1 - error, v, 0.0, 0.0, 0.0), Target(0.1, 0.0), memory, gains)
         found.append(spool)
     return found
 

@@ -104,7 +104,7 @@ def _map(panel: Axes, found: Found, column: int, facet: int | None, edge: Theory
     i, j = np.argsort(x), np.argsort(y)
     known = [value * one.factor for row in found.rows if (value := row.values[column]) is not None]
     ends: Any = {"vmin": min(known), "vmax": max(known)} if known else {}  # the same for all values of a third axis
-    mesh = panel.pcolormesh(x[i], y[j], values[np.ix_(j, i)], shading="nearest", cmap="viridis", **ends)
+    mesh = panel.pcolormesh(x[i], y[j], values[j][:, i], shading="nearest", cmap="viridis", **ends)
     panel.figure.colorbar(mesh, ax=panel)
     failed = [row.places for row in rows if row.reason]
     panel.plot([x[a] for a, *_ in failed], [y[b] for _, b, *_ in failed], "x", color=FAILED)
