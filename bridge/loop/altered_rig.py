@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
-from twin.circuit.block import Compiled, compiled
+from twin.circuit.block import Compiled, record
 from twin.circuit.build import rebuild
 from twin.circuit.step import Circuit
 from twin.circuit.stiffness import keep_oil
+from twin.lines.bank import packed
 
 
 class AlteredRig:
@@ -40,16 +41,17 @@ class AlteredRig:
     def write(self, plant: Compiled, state: NDArray[np.float64]) -> None:
         """Let a plant that runs go on with the circuit; no oil is lost."""
         now = self._now()
-        keep_oil(state, self._running, now)
-        self._running, then = now, compiled(now)
-        plant.parts[:] = then.parts
-        plant.numbers[:] = then.numbers
+        plant.parts[:] = record(now.parts)
+        if now.lines is not self._running.lines:
+            plant.numbers[:] = packed(now.lines)[1]
+            keep_oil(state, self._running, now)
+        self._running = now
 
     def _now(self) -> Circuit:
         if self._circuit is None:
             self._circuit, self._values = circuit_of(self._scenario), self._scenario.rig_values()
             self._running = self._circuit
-            self._layout = compiled(self._circuit).whole
+            self._layout = packed(self._circuit.lines)[0]
         return self._circuit
 
     def _after(self, circuit: Circuit, numbers: Mapping[str, float]) -> Circuit:
@@ -61,7 +63,7 @@ class AlteredRig:
                 circuit = rebuild(circuit, values, f"{part}.{key}")
             except ValueError as error:
                 raise ScenarioError(f"{name} = {value:g}: {error}") from None
-        if (compiled(circuit).whole != self._layout).any():
+        if circuit.lines is not self._now().lines and (packed(circuit.lines)[0] != self._layout).any():
             name, value = next(iter(numbers.items()))
             raise ScenarioError(
                 f"{name} = {value:g}: waves that are under way in the lines would need another time; only lines of "
