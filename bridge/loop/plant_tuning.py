@@ -89,7 +89,7 @@ class PlantTuning:
         """After a scan: tell of what has begun, and begin what waited for a signal."""
         while self._clocked and self._clocked[0][0] <= now:
             begin, number = self._clocked.pop(0)
-            self._announce(self._items[number - 1], begin)
+            self._announce(self._items[number - 1], begin, now)
         for number in list(self._waiting):
             item = self._items[number - 1]
             if isinstance(item.condition, Crossing):
@@ -147,13 +147,14 @@ class PlantTuning:
         begin = now + item.after
         self._course(item.target).add(Act(begin, item.shape))
         self._due = min(self._due, begin)
-        self._announce(item, begin)
+        self._announce(item, begin, now)
 
-    def _announce(self, item: Item, begin: int) -> None:
+    def _announce(self, item: Item, begin: int, now: int) -> None:
         told = self._told[item.number] = self._told.get(item.number, 0) + 1
         if item.condition is not None or told <= TOLD:
             last = "; further ones are not told" if told == TOLD and item.condition is None else ""
-            text = timeline_entry(item.number, item.words) + last
+            later = f", from {begin / NS:g} s on" if begin > now else ""
+            text = timeline_entry(item.number, item.words) + later + last
             (self._tell if item.condition is None else self._say)(text, item.number, begin)
 
     def _say(self, text: str, entry: int, apply_at: int) -> None:

@@ -1,11 +1,13 @@
-"""Queries for the numbers that may change while a rig runs: what comes in, and what goes out, as JSON."""
+"""Queries for the numbers that may change while a rig runs: what comes in, the way to the loop, what goes out."""
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from concurrent.futures import CancelledError, Future
 from typing import Any, NamedTuple
 
-from bridge.errors import UsageError
+from bridge.errors import ScenarioError, UsageError
+from bridge.loop.plant import PlantSide
 from bridge.scenario import Scenario
 from bridge.scenario.tunable import Tunable, in_si, tunable
 from bridge.scenario.units import quantity
@@ -13,6 +15,7 @@ from controller.grid import NS, to_ns
 
 LONGEST = 64_000  # bytes of a query
 LONGEST_TARGET = 64  # bytes
+SETTING = 2.0  # seconds for the loop to take what somebody sets
 LONGEST_RAMP = 1_000_000 * NS
 
 
@@ -21,6 +24,48 @@ class Asked(NamedTuple):
 
     numbers: dict[str, float]  # SI
     over: int  # [ns]
+
+
+class Settings(NamedTuple):
+    """What somebody wants to set, on its way to the loop, and where the answer goes."""
+
+    asked: Asked
+    answer: Future[dict[str, Any]]
+
+    def take(self, side: PlantSide) -> None:
+        """In the loop, between two ticks: change the numbers, or say why not."""
+        if not self.answer.set_running_or_notify_cancel():
+            return  # whoever asked has been told that the plant does not answer
+        try:
+            begins = side.set(self.asked.numbers, self.asked.over)
+        except ScenarioError as error:
+            self.answer.set_result({"refused": str(error)})
+        else:
+            units = {name: entry.unit for name, (entry, _) in side.values().items() if name in begins}
+            self.answer.set_result({"set": self.asked.numbers, "units": units, "apply_at": begins})
+
+
+def answer_to(payload: bytes, scenario: Scenario, hand_in: Callable[[Settings], None]) -> bytes:
+    """Outside the loop: check what somebody sets, hand it in and wait; the answer, as JSON."""
+    try:
+        settings = Settings(asked_for(payload, scenario), Future())
+    except UsageError as error:
+        return json.dumps({"refused": str(error)}).encode()
+    hand_in(settings)
+    try:
+        return json.dumps(settings.answer.result(SETTING)).encode()
+    except (TimeoutError, CancelledError):
+        settings.answer.cancel()
+        return json.dumps({"refused": "the plant does not take it now: it waits, or has ended"}).encode()
+
+
+def listed(side: PlantSide, payload: bytes) -> bytes:
+    """The numbers that may change, as JSON; the payload is a list of names, or empty."""
+    try:
+        found = described(side.values(), payload)
+    except UsageError as error:
+        found = {"refused": str(error)}
+    return json.dumps(found | {"stamp": side.now}).encode()
 
 
 def asked_for(payload: bytes, scenario: Scenario) -> Asked:

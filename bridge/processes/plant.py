@@ -5,18 +5,17 @@ import os
 import queue
 import time
 from collections.abc import Iterator
-from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from bridge.errors import RunError, ScenarioError, UsageError
+from bridge.errors import RunError
 from bridge.loop.plant import PlantSide
 from bridge.loop.plant_tuning import refuse_impossible
 from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
 from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop, prepare
-from bridge.processes.parameters import Asked, asked_for, described, target_of
+from bridge.processes.parameters import Settings, answer_to, listed, target_of
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.law_file import law_facts
@@ -34,7 +33,6 @@ STATUS_PERIOD = 100_000_000  # [ns] of wall time
 SETTLING = 2.0  # seconds in which a plant that started at the same instant may still be found
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
 LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
-SETTING = 2.0  # seconds for the loop to take what somebody sets
 LINGER = 5.0  # seconds that partners get to finish
 
 
@@ -64,13 +62,6 @@ class Command(NamedTuple):
     came: int
 
 
-class Settings(NamedTuple):
-    """Numbers that somebody sets, and where the answer goes."""
-
-    asked: Asked
-    answer: Future[dict[str, Any]]
-
-
 class PlantProcess:
     """One run of a plant on a bus."""
 
@@ -94,8 +85,8 @@ class PlantProcess:
         ready("status")
         bus.subscribe("status", self._on_status)
         bus.answer("scenario", self._manifest)
-        bus.serve("parameters", self._parameters)
-        bus.serve("parameters/set", self._set)
+        bus.serve("parameters", lambda payload: listed(self.side, payload))
+        bus.serve("parameters/set", lambda payload: answer_to(payload, scenario, self._commands.put))
         ready("command")
         bus.subscribe("command", self._on_command)
         self._targets: queue.SimpleQueue[bytes] = queue.SimpleQueue()
@@ -212,7 +203,7 @@ class PlantProcess:
 
     def _handle(self, command: Command | Settings | None) -> Any:
         if isinstance(command, Settings):
-            self._take_settings(command)
+            command.take(self.side)
             return None
         if command is None:
             self.side.reset()
@@ -228,38 +219,6 @@ class PlantProcess:
             except ValueError as error:
                 self._narrator.say(f"target refused: {error}")
         self.side.aim(target)
-
-    def _take_settings(self, settings: Settings) -> None:
-        if not settings.answer.set_running_or_notify_cancel():
-            return  # whoever asked has been told that the plant does not answer
-        try:
-            begins = self.side.set(settings.asked.numbers, settings.asked.over)
-        except ScenarioError as error:
-            settings.answer.set_result({"refused": str(error)})
-        else:
-            units = {name: self.side.values()[name][0].unit for name in begins}
-            settings.answer.set_result({"set": settings.asked.numbers, "units": units, "apply_at": begins})
-
-    def _set(self, payload: bytes) -> bytes:
-        """In Zenoh's thread: check what somebody sets and hand it to the loop; the answer, as JSON."""
-        try:
-            settings = Settings(asked_for(payload, self.scenario), Future())
-        except UsageError as error:
-            return json.dumps({"refused": str(error)}).encode()
-        self._commands.put(settings)
-        try:
-            return json.dumps(settings.answer.result(SETTING)).encode()
-        except (TimeoutError, CancelledError):
-            settings.answer.cancel()
-            return json.dumps({"refused": "the plant does not take it now: it waits, or has ended"}).encode()
-
-    def _parameters(self, payload: bytes) -> bytes:
-        """In Zenoh's thread: the numbers that may change, as JSON; the payload is a list of names, or empty."""
-        try:
-            found = described(self.side.values(), payload)
-        except UsageError as error:
-            found = {"refused": str(error)}
-        return json.dumps(found | {"stamp": self.side.now}).encode()
 
     def _on_status(self, sample: Any) -> None:
         """In Zenoh's thread: does a controller run another scenario?"""

@@ -27,6 +27,7 @@ SILENCE = 5.0  # seconds without a word from the plant after which it counts as 
 STANDSTILL = 5.0  # seconds without a turn that no load explains
 FAREWELL = 8.0  # seconds that processes get to finish once they should
 READING = 0.1  # seconds per simulated second that the recorder gets on top, to read its file for the summary
+EAR = "supervisor"  # our role on the bus
 STARTUP = 90.0  # seconds to the first word: the first start compiles
 
 
@@ -81,7 +82,7 @@ class Supervisor:
         seed = self.scenario.seed
         plant = [str(file), *common, "--listen", endpoint, "--speed", str(options.speed)]
         plant += ["--run-id", str(derived(seed, self.scenario.rig_name)), "--patience", str(options.patience)]
-        plant += ["--await", "recorder", "--await", "controller", "--quiet"]
+        plant += ["--await", "recorder", "--await", "controller", "--await", EAR, "--quiet"]
         fifo = ["--fifo"] if options.fifo else []
         client = [*common, "--connect", endpoint, "--patience", str(STARTUP)]
         self.children.append(Child("plant", plant + fifo, folder, environment))
@@ -125,17 +126,18 @@ class Supervisor:
         return now
 
     def _listen(self, endpoint: str) -> Bus | None:
-        """Our own ear for what the processes say of themselves."""
+        """Our own ear for what the processes say of themselves; the plant waits for it, so that nothing is missed."""
         deadline = time.monotonic() + STARTUP
         while time.monotonic() < deadline and not self.stop():
             try:
-                bus = Bus(Link(None, endpoint, None, 1.0), self.scenario.rig_name, "supervisor", blocking=False)
+                bus = Bus(Link(None, endpoint, None, 1.0), self.scenario.rig_name, EAR, blocking=False)
             except LinkError:
                 if any(child.ended() for child in self.children):
                     return None
                 continue
             bus.subscribe("status", self._on_status)
             bus.subscribe("said", self._on_said)
+            bus.announce()
             self._heard = time.monotonic()
             return bus
         return None

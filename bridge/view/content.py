@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from bridge.drawing.colours import DARK
 from bridge.errors import UsageError
+from bridge.recording.changes import changes
 from bridge.recording.frames import Frames, frames
 from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Recording
+from bridge.recording.shown import GROUPS
 from bridge.recording.told import events_of
 from bridge.recording.words import run_in_words
 from bridge.scenario import Scenario
@@ -21,8 +24,10 @@ from bridge.view.rig.scene import stand
 from bridge.view.rig.stage import LINE_ENDS, Stage, stage
 from bridge.view.timeline import time_column
 from bridge.wire.messages import EventKind
+from controller.grid import NS
 
 APPLICATION = "hydrotwin"
+CHANGES, MARK = "position_mm/change", DARK["violet"]
 GRAVE = (EventKind.LATE, EventKind.REFUSED, EventKind.SAFE)  # kinds of events that a run should not have
 
 
@@ -53,6 +58,7 @@ def send(stream: Any, recording: Recording, bare: bool = False) -> None:
     for curve, stamps, values in curves:
         send_curve(stream, curve, stamps, values)
     send_events(stream, recording)
+    _send_changes(stream, recording)
     _send_rig(stream, recording)
     stream.flush()
     stream.disconnect()
@@ -96,6 +102,19 @@ def send_events(stream: Any, recording: Recording) -> None:
     level = ["WARN" if event.kind in GRAVE else "INFO" for event in events]
     stamps = np.array([event.stamp for event in events])
     stream.send_columns(EVENTS, [time_column(stamps)], rr.TextLog.columns(text=text, level=level))
+
+
+def _send_changes(stream: Any, recording: Recording) -> None:
+    """A mark on the piston's curve at each change of a number; what it was stands in the log."""
+    import rerun as rr
+
+    changed = changes(recording)
+    if not changed or not recording.counts.get("state"):
+        return
+    state, stamps = recording.columns("state"), np.array([round(change.time * NS) for change in changed])
+    at = np.interp(stamps, state["stamp"], state["position"]) * GROUPS["position"].scale
+    stream.log(CHANGES, rr.SeriesPoints(markers="diamond", colors=MARK, marker_sizes=5.0, names="change"), static=True)
+    stream.send_columns(CHANGES, [time_column(stamps)], rr.Scalars.columns(scalars=at))
 
 
 def _send_rig(stream: Any, recording: Recording) -> None:

@@ -7,33 +7,23 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from bridge.processes.options import RunOptions
 from bridge.runs.run import run_scenario
 from bridge.scenario import load
 from bridge.wire.link import Link, free_endpoint, open_session
 from bridge.wire.messages import Mode
 from tests.benchmarks.plant import Row
+from tests.benchmarks.turns import TURNS, compared, in_turns
 
-TURNS = 4
 PERIOD = 0.02  # seconds from query to query
 CHANGES = ["duration=8", "real_time.overruns=1.0", "real_time.length=10"]
-LOOKED_AT = (("lateness", "p50"), ("lateness", "p99"), ("round_trip", "p50"), ("round_trip", "p99"))
 
 
 def rows(folder: Path) -> Iterator[Row]:
-    """A load force and a gain in turn. Medians of the turns, and how far those alone are apart."""
-    alone, tuned, taken = [], [], [0]
-    for _ in range(TURNS):
-        alone.append(_run(folder, None, taken))
-        tuned.append(_run(folder, free_endpoint(), taken))
-    for quantity, quantile in LOOKED_AT:
-        without, beside = ([1e6 * run["timing"][quantity][quantile] for run in runs] for runs in (alone, tuned))
-        ratio = float(np.median(beside) / max(np.median(without), 1e-3))
-        spread = f"{np.median(without):.1f} us alone ({min(without):.1f} .. {max(without):.1f})"
-        words = f"{np.median(beside):.1f} us ({min(beside):.1f} .. {max(beside):.1f})"
-        yield f"{quantity.replace('_', ' ')} {quantile}, 50 settings a second", words, spread, f"{ratio:.2f}"
+    """A load force and a gain in turn."""
+    taken = [0]
+    alone, tuned = in_turns(lambda: _run(folder, None, taken), lambda: _run(folder, free_endpoint(), taken))
+    yield from compared(alone, tuned, ("p50", "p99"), "50 settings a second")
     yield "settings taken", f"{taken[0]} in {TURNS} runs of 8 s", "", ""
 
 

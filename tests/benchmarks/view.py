@@ -8,37 +8,26 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from bridge.processes.options import RunOptions
 from bridge.runs.run import run_scenario
 from bridge.scenario import load
 from bridge.wire.link import free_endpoint
 from bridge.wire.messages import Mode
 from tests.benchmarks.plant import Row
+from tests.benchmarks.turns import compared, in_turns
 
-TURNS = 4
 CHANGES = ["duration=8", "loop.sample_period=0.001", "real_time.overruns=1.0", "real_time.length=10"]
-LOOKED_AT = (("lateness", "p99"), ("lateness", "p50"), ("round_trip", "p99"), ("round_trip", "p50"))
 
 
 def rows(folder: Path) -> Iterator[Row]:
-    """A controller at 1 kHz; the view serves a page. Medians of the turns, and how far those without it are apart."""
+    """A controller at 1 kHz; the view serves a page."""
     for fifo, priority in ((False, ""), (True, ", --fifo")):
         yield from _rows(folder, fifo, priority)
 
 
 def _rows(folder: Path, fifo: bool, priority: str) -> Iterator[Row]:
-    alone, watched = [], []
-    for _ in range(TURNS):
-        alone.append(_run(folder, fifo, watch=False))
-        watched.append(_run(folder, fifo, watch=True))
-    for quantity, quantile in LOOKED_AT:
-        without, beside = ([1e6 * run["timing"][quantity][quantile] for run in runs] for runs in (alone, watched))
-        ratio = float(np.median(beside) / max(np.median(without), 1e-3))
-        spread = f"{np.median(without):.1f} us alone ({min(without):.1f} .. {max(without):.1f})"
-        words = f"{np.median(beside):.1f} us ({min(beside):.1f} .. {max(beside):.1f})"
-        yield f"{quantity.replace('_', ' ')} {quantile}, live view on{priority}", words, spread, f"{ratio:.2f}"
+    alone, watched = in_turns(lambda: _run(folder, fifo, watch=False), lambda: _run(folder, fifo, watch=True))
+    yield from compared(alone, watched, ("p99", "p50"), f"live view on{priority}")
     lost, beside = (sum(sum(run["lost"].values()) for run in runs) for runs in (watched, alone))
     yield f"messages lost at the recorder, live view on{priority}", str(lost), f"{beside} alone", ""
 

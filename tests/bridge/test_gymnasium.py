@@ -6,19 +6,18 @@ import sys
 import warnings
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 
-gymnasium = pytest.importorskip("gymnasium", reason="gymnasium is not installed: pip install 'hydrotwin[gym]'")
-
-import hydrotwin as ht  # noqa: E402
-from bridge.loop.stepped import SteppedLoop  # noqa: E402
-from bridge.scenario.gains import law_gains  # noqa: E402
-from bridge.scenario.units import quantity  # noqa: E402
-from hydrotwin.gym import ID, LIMIT, SIZES, Rig, Step, Tracking  # noqa: E402
-from hydrotwin.gym.randomise import ranges_of  # noqa: E402
-from tests.support.processes import ROOT  # noqa: E402
-from twin.kernel import _loaded  # noqa: E402
+import hydrotwin as ht
+from bridge.loop.stepped import SteppedLoop
+from bridge.scenario.gains import law_gains
+from bridge.scenario.units import quantity
+from hydrotwin.gym import ID, LIMIT, SIZES, Rig, Step, Tracking
+from hydrotwin.gym.randomise import ranges_of
+from tests.support.processes import ROOT
+from twin.kernel import _loaded
 
 PAGE = (ROOT / "docs/gymnasium.md").read_text(encoding="utf-8")
 FIRST, REWARD, RANDOM, TRAIN, LAW, FILE, EPISODE = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)

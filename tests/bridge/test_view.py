@@ -89,6 +89,25 @@ def test_events_stand_at_their_simulated_time(view: Path):
     assert [line.partition(" s  ")[2].partition(":")[0] for line in text] == ["started", "ended"]
 
 
+def test_a_change_is_a_mark_on_the_piston_s_curve_where_it_begins(tmp_path: Path):
+    """At 0.2 s, and 0.1 s after the piston has passed 105 mm; the log says what it was, and when it was told."""
+    pytest.importorskip("rerun")
+    push = '{set="rig.load.force", at="0.2 s", to="100 N"}'
+    late = '{set="controller.gain", when="position > 105 mm", after="0.1 s", to="0.5 V/%"}'
+    changes = ["duration=0.6 s", "reference.at=0.1", f"timeline=[{push}, {late}]"]
+    recorded = record_in_process(load("step", changes), tmp_path / "a.mcap")
+    show(recorded.path, web=False, save=tmp_path / "a.rrd")
+    stamps, values = column(tmp_path / "a.rrd", "/position_mm/change", "Scalars:scalars")
+    state = recorded.columns("state")
+    passed = int(state["stamp"][np.argmax(state["position"] > 0.105)])
+    assert sorted(stamps) == sorted([200_000_000, passed + 100_000_000])
+    at = np.searchsorted(state["stamp"], stamps)
+    assert values == pytest.approx(1e3 * state["position"][at])
+    told = [event for event in recorded.messages("event") if event.command == 2]
+    assert [event.stamp for event in told] == [passed]
+    assert told[0].text.endswith(f", from {(passed + 100_000_000) / 1e9:g} s on")
+
+
 def test_file_carries_its_layout_and_verifies(view: Path):
     command = [sys.executable, "-m", "rerun_cli", "rrd"]
     subprocess.run([*command, "verify", str(view)], check=True, timeout=60, capture_output=True)
