@@ -93,7 +93,8 @@ def shown(outcome: Outcome) -> Outcome:
     if outcome.data is None or outcome.summary is None or outcome.interrupted:
         return outcome
     from bridge.scenario.relief_swing import swing_notes
-    from bridge.studies.stability.operating import operating_point, timing_notes
+    from bridge.studies.stability.notes import timing_notes
+    from bridge.studies.stability.operating import operating_point
 
     scenario, metrics = outcome.scenario, outcome.summary.metrics
     notes = [*outcome.notes, *timing_notes(scenario), *swing_notes(scenario)]

@@ -134,6 +134,7 @@ def test_gymnasium_finds_nothing_to_complain_about(randomise: dict[str, Any]):
         check_env(Rig("step", SHORT, bands=["p1 <= 120 bar"], randomise=randomise), skip_render_check=True)
         made = gymnasium.make(ID, scenario="step", changes=SHORT, randomise=randomise)
         assert over(play(made, proportional, seed=1)[-1])
+    assert made.unwrapped.spec is not None
     assert made.unwrapped.spec.id == "hydrotwin/Rig-v0"
 
 

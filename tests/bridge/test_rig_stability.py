@@ -12,10 +12,11 @@ from bridge.processes.options import RunOptions
 from bridge.runs.in_process import record_in_process
 from bridge.runs.run import run_scenario, shown
 from bridge.scenario import ScenarioError, load, names
-from bridge.studies.stability.advice import refuse_linear, timing_notes
+from bridge.studies.stability.advice import refuse_linear
 from bridge.studies.stability.amplitude import loop_of
 from bridge.studies.stability.causes import with_causes
 from bridge.studies.stability.criterion import crossing_frequency, judge_swing
+from bridge.studies.stability.notes import timing_notes
 from bridge.studies.stability.probe import critical_gain, stand_of, swing_at
 from bridge.studies.stability.rig_loop import (
     RigTiming,

@@ -22,10 +22,11 @@ from bridge.studies.stability.amplitude import (
     swing_range,
     wide_gain_later,
 )
+from bridge.studies.stability.notes import notes_on, timing_notes
 from bridge.studies.stability.relay_lead import critical_lead, needed_lead, relay_of
 from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins_of, named, timing_of
 from bridge.studies.stability.rig_plant import RigPlant, plants
-from bridge.studies.stability.sampled_law import FreeGain, free_gain, is_asked
+from bridge.studies.stability.sampled_law import FreeGain, free_gain
 from controller.law import volts_per_percent
 from controller.reference import evaluate
 from controller.stability import Margins
@@ -38,7 +39,6 @@ RULE = (
     "one more period of delay"
 )
 LONGEST = 40  # sampling periods of delay that the linear theory takes: the work grows with the cube
-MOST_DELAY = 50.0  # sampling periods; more are likely a missing unit
 
 
 class Stability(StrEnum):
@@ -251,7 +251,7 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
         rows=tuple(RowAdvice(_free(r.gain, free), r.swinging, r.peak_to_peak, r.frequency) for r in found.rows),
         points=points,
         suggested=_suggestion(scenario, sizes, found, free),
-        notes=(*_notes(scenario, free), *left_out),
+        notes=(*notes_on(scenario, free), *left_out),
     )
 
 
@@ -298,29 +298,6 @@ def _linear(scenario: Scenario) -> tuple[dict[str, PointAdvice], list[str]]:
         return {}, [f"no linear theory: {error}"]
     held = {n: held_amplitude(p, timing, own.proportional, own.derivative) for n, p in found.items()}
     return {n: _point(p.opening, timing, of[n], scenario, held[n]) for n, p in found.items()}, []
-
-
-def _notes(scenario: Scenario, free: FreeGain) -> list[str]:
-    notes = timing_notes(scenario)
-    own: Any = scenario.controller
-    what = "a factor on its answer" if free.is_factor else "controller.gain"
-    itself = f"itself ran in the reduced loop; free is {what}"
-    if own.kind == "python":
-        notes.append(f"controller.law {own.law!r} {itself}")
-    elif own.kind == "c":
-        notes.append(f"the law in {own.source or own.library!r} {itself}")
-    elif own.kind == "state-space":
-        how = f", which ran itself, since it reads {', '.join(own.inputs)}" if is_asked(scenario) else ""
-        notes.append(f"free is a factor on C and D of the law{how}")
-    return notes
-
-
-def timing_notes(scenario: Scenario) -> list[str]:
-    """A delay of very many periods is likely one without its unit; nothing for a controller that closes no loop."""
-    delay, period = scenario.loop.delay, scenario.loop.sample_period
-    if delay <= MOST_DELAY * period or not scenario.controller.follows:
-        return []
-    return [f"loop.delay is {delay:g} s, {delay / period:.0f} sampling periods: a unit may be missing, as in '10 ms'"]
 
 
 def _step(found: Interval, free: FreeGain) -> StepAdvice:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
-from bridge.studies.stability.advice import Stability, timing_notes
+from bridge.studies.stability.advice import Stability
 from bridge.studies.stability.amplitude import own_row, range_over
 from bridge.studies.stability.sampled_law import free_gain, is_asked
 from controller.bands import Metrics
@@ -64,7 +64,7 @@ def operating_point(scenario: Scenario, metrics: Metrics | None) -> OperatingPoi
     )
 
 
-__all__ = ["OperatingPoint", "edge_curves", "operating_point", "sentences", "steps_in_words", "timing_notes"]
+__all__ = ["OperatingPoint", "edge_curves", "operating_point", "sentences", "steps_in_words"]
 
 
 def _known(value: float) -> float | None:
