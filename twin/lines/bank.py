@@ -11,7 +11,7 @@ density], p gauge [Pa]; c and Z come from the past only. Ends are counted line 0
 
 Turbulent friction beyond the laminar one, r >= 0 from the flow of the instant before, sits half at each end of an
 `ends` line, from each end's own flow: where a front divides the pipe only the part behind it resists, and r q^2 takes
-energy whatever q does. In `nodes` it sits at both ends of every segment, in `lumped` in the middle.
+energy whatever q does. In `nodes` it sits at both ends of every segment, in `lumped` in the middle; `volume` has none.
 """
 
 from collections.abc import Sequence
@@ -21,11 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.kernel import inlined, kernel, rows
-from twin.lines import chunks, ends, lumped, nodes
+from twin.lines import chunks, ends, lumped, nodes, volume
 from twin.lines.friction import turbulence, turbulence_slope
 from twin.lines.spec import LOSSES, MODELS, LineNumbers, LineSpec, derive
+from twin.lines.wall import ELEMENTS
 
-LUMPED, ENDS, NODES = 0, 1, 2  # in MODELS
+LUMPED, ENDS, NODES, VOLUME = range(len(MODELS))
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -39,10 +40,11 @@ class Bank(NamedTuple):
     model: Integers  # of MODELS
     slot: Integers  # number of the line among those of its model
     z0: Floats  # rho a/A [Pa s/m^3]
-    capacity: Floats  # V/B [m^3/Pa]
-    inertance: Floats  # rho l/A [Pa s^2/m^3]
+    capacity: Floats  # V/B, at once [m^3/Pa]
+    settled_capacity: Floats  # with what the wall gives late [m^3/Pa]
+    inertance: Floats  # rho l/A; of `volume` what its scheme has [Pa s^2/m^3]
     resistance: Floats  # laminar, 128 mu l/(pi d^4); 0 without friction [Pa s/m^3]
-    travel_time: Floats  # l/a [s]
+    travel_time: Floats  # l/a; 0 of `volume` [s]
     turbulent_per_flow: Floats  # Re per flow [s/m^3]; 0 if the friction does not know Re
     ends_place: Integers  # per chunk
     ends_layout: Integers
@@ -54,11 +56,14 @@ class Bank(NamedTuple):
     lumped_lines: Integers
     lumped_place: Integers
     lumped_numbers: Floats
+    volume_lines: Integers
+    volume_place: Integers
+    volume_numbers: Floats
 
 
 def bank_of(specs: Sequence[LineSpec], step: float, vapour_pressure: float) -> Bank:
     """Fit every line to the step [s]; ValueError names the line, what is wrong and the way out."""
-    lines = [_checked(i, s) for i, s in enumerate(specs)]
+    lines = [_checked(i, s, step) for i, s in enumerate(specs)]
     which = [[i for i, s in enumerate(specs) if s.model == model] for model in MODELS]
     size = 2 * len(specs)  # the turbulent resistances of all ends stand first
 
@@ -69,12 +74,14 @@ def bank_of(specs: Sequence[LineSpec], step: float, vapour_pressure: float) -> B
     nodes_place = size + np.cumsum([0, *(cells for _, _, cells in meshes)])
     lumps = [_attempt(i, specs[i], lumped.coefficients, lines[i], step) for i in which[LUMPED]]
     lumped_place = nodes_place[-1] + lumped.SIZE * np.arange(len(lumps) + 1)
+    volumes = [_attempt(i, specs[i], volume.coefficients, lines[i], step) for i in which[VOLUME]]
+    volume_place = lumped_place[-1] + volume.SIZE * np.arange(len(volumes) + 1)
 
-    per_line = ("z0", "capacity", "inertance", "resistance", "travel_time", "turbulent_per_flow")
+    per_line = [name for name in LineNumbers._fields if name in Bank._fields]
     bank = Bank(
         step=step,
         vapour_pressure=vapour_pressure,
-        size=int(lumped_place[-1]),
+        size=int(volume_place[-1]),
         model=np.array([MODELS.index(s.model) for s in specs]),
         slot=np.array([which[MODELS.index(s.model)].index(i) for i, s in enumerate(specs)]),
         ends_place=laid.place,
@@ -87,6 +94,9 @@ def bank_of(specs: Sequence[LineSpec], step: float, vapour_pressure: float) -> B
         lumped_lines=np.array(which[LUMPED], dtype=np.int64),
         lumped_place=lumped_place[:-1],
         lumped_numbers=np.array(lumps).reshape(len(lumps), lumped.NUMBERS),
+        volume_lines=np.array(which[VOLUME], dtype=np.int64),
+        volume_place=volume_place[:-1],
+        volume_numbers=np.array(volumes).reshape(len(volumes), volume.NUMBERS),
         **{name: np.array([getattr(line, name) for line in lines]) for name in per_line},
     )
     for array in bank[3:]:
@@ -94,9 +104,16 @@ def bank_of(specs: Sequence[LineSpec], step: float, vapour_pressure: float) -> B
     return bank
 
 
-def _checked(i: int, s: LineSpec) -> LineNumbers:
+def _checked(i: int, s: LineSpec, step: float) -> LineNumbers:
     if s.model not in MODELS or s.friction not in LOSSES:
         raise ValueError(f"pipe_{i + 1}: model {s.model}, friction {s.friction}; known: {MODELS}, {tuple(LOSSES)}")
+    if len(s.creep) > (most := 0 if s.model == "nodes" else ELEMENTS):
+        way = "model ends, lumped or volume, or creep = 0" if most == 0 else "fewer"
+        raise ValueError(f"pipe_{i + 1}: {len(s.creep)} elements of creep, limit {most} in model {s.model}; take {way}")
+    if s.model == "volume":
+        return (line := derive(s._replace(friction="none")))._replace(
+            inertance=volume.inertance(line, step), travel_time=0.0
+        )
     return derive(s)
 
 
@@ -105,7 +122,8 @@ def _attempt(i: int, s: LineSpec, prepare, *arguments):
     try:
         return prepare(*arguments)
     except ValueError as error:
-        way = "take a smaller loop.step, a longer pipe" + ("" if s.model == "lumped" else " or model lumped")
+        simpler = "volume" if s.model == "lumped" else "lumped"
+        way = f"take a smaller loop.step, a longer pipe or model {simpler}"
         raise ValueError(f"pipe_{i + 1}, {s.length:g} m: {error}; {way}") from error
 
 
@@ -126,8 +144,8 @@ def packed(bank: Bank) -> tuple[Integers, Floats]:
 @inlined
 def unpacked(w, f) -> Bank:
     """The bank that `packed` has made flat, as views of it."""
-    n_ends, n_nodes, n_lumped = w[4] - w[3], w[6] - w[5], w[9] - w[8]
-    b = w[11:21]
+    n_ends, n_nodes, n_lumped, n_volume = w[4] - w[3], w[6] - w[5], w[9] - w[8], w[11] - w[10]
+    b = w[13:25]
     return Bank(
         f[0],
         f[1],
@@ -140,16 +158,20 @@ def unpacked(w, f) -> Bank:
         f[b[3] : b[4]],
         f[b[4] : b[5]],
         f[b[5] : b[6]],
+        f[b[6] : b[7]],
         w[w[3] : w[4]],
         rows(w[w[4] : w[5]], n_ends, chunks.LAYOUT * chunks.LANES),
-        rows(f[b[6] : b[7]], n_ends, chunks.NUMBERS * chunks.LANES),
+        rows(f[b[7] : b[8]], n_ends, chunks.NUMBERS * chunks.LANES),
         w[w[5] : w[6]],
         w[w[6] : w[7]],
         rows(w[w[7] : w[8]], n_nodes, nodes.LAYOUT),
-        rows(f[b[7] : b[8]], n_nodes, nodes.NUMBERS),
+        rows(f[b[8] : b[9]], n_nodes, nodes.NUMBERS),
         w[w[8] : w[9]],
         w[w[9] : w[10]],
-        rows(f[b[8] : b[9]], n_lumped, lumped.NUMBERS),
+        rows(f[b[9] : b[10]], n_lumped, lumped.NUMBERS),
+        w[w[10] : w[11]],
+        w[w[11] : w[12]],
+        rows(f[b[10] : b[11]], n_volume, volume.NUMBERS),
     )
 
 
@@ -167,6 +189,8 @@ def arriving(bank, memory, tick: int, c, z) -> None:
         nodes.arriving(bank.nodes_lines, bank.nodes_place, bank.nodes_layout, bank.nodes_numbers, memory, tick, c, z)
     if len(bank.lumped_lines):
         lumped.arriving(bank.lumped_lines, bank.lumped_place, bank.lumped_numbers, memory, c, z)
+    if len(bank.volume_lines):
+        volume.arriving(bank.volume_lines, bank.volume_place, bank.volume_numbers, memory, c, z)
 
 
 @inlined
@@ -178,6 +202,8 @@ def departing(bank, memory, tick: int, q) -> None:
         nodes.departing(bank.nodes_lines, bank.nodes_place, bank.nodes_layout, bank.nodes_numbers, memory, tick, q)
     if len(bank.lumped_lines):
         lumped.departing(bank.lumped_lines, bank.lumped_place, bank.lumped_numbers, memory, q)
+    if len(bank.volume_lines):
+        volume.departing(bank.volume_lines, bank.volume_place, bank.volume_numbers, memory, q)
 
 
 @kernel
@@ -187,6 +213,7 @@ def settle(bank, memory, p, q) -> None:
     ends.settle(bank.ends_place, bank.ends_layout, bank.ends_numbers, memory, p, q)
     nodes.settle(bank.nodes_lines, bank.nodes_place, bank.nodes_layout, bank.nodes_numbers, memory, p, q)
     lumped.settle(bank.lumped_lines, bank.lumped_place, bank.lumped_numbers, memory, p, q)
+    volume.settle(bank.volume_lines, bank.volume_place, bank.volume_numbers, memory, p, q)
 
 
 @kernel
@@ -197,8 +224,10 @@ def profile(bank, memory, tick: int, line: int, xi, out) -> None:
         ends.profile(bank.ends_place, bank.ends_layout, bank.ends_numbers, memory, slot, tick, xi, out)
     elif bank.model[line] == NODES:
         nodes.profile(bank.nodes_place[slot], bank.nodes_layout[slot], bank.nodes_numbers[slot], memory, xi, out)
-    else:
+    elif bank.model[line] == LUMPED:
         lumped.profile(bank.lumped_place[slot], memory, xi, out)
+    else:
+        volume.profile(bank.volume_place[slot], memory, xi, out)
 
 
 @kernel

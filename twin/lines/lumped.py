@@ -13,27 +13,31 @@ everywhere, as Foster asks of a lossless element, if and only if 0 < k < 1. R >=
 The first mode of a real line is met 10 % low when one end is open (quarter wave), 36 % low when both are shut; a
 chamber at an end brings it closer. Waves are not met.
 
-Memory of a line: c_1, c_2, Q, p_1, p_2.
+Memory of a line: c_1, c_2, Q, p_1, p_2, then the elements of the wall of end 1 and of end 2.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.kernel import inlined, kernel
+from twin.lines import wall
 from twin.lines.friction import turbulence, turbulence_slope
 from twin.lines.spec import LineNumbers
+from twin.lines.wall import creep_port, inner_flow
 
-SIZE = 8  # of the memory of a line
+WALL = 5  # in the memory of a line
+SIZE = 12  # of it
 PRESSURES_AT = np.array([0, 1, 3, 4])  # in it
-NUMBERS = 4
-Z, PER_INERTANCE, RESISTANCE, PER_FLOW = range(NUMBERS)
+Z, PER_INERTANCE, RESISTANCE, PER_FLOW, CREEPS, CREEP = range(6)
+NUMBERS = CREEP + wall.NUMBERS
 
 
 def coefficients(line: LineNumbers, step: float) -> NDArray[np.float64]:
     """Of a line; ValueError if the step is too coarse."""
     if step >= line.travel_time:
         raise ValueError(f"step {step:g} s, limit {line.travel_time:.3g} s (its travel time) for model lumped")
-    return np.array([step / line.capacity, step / line.inertance, line.resistance, line.turbulent_per_flow])
+    own = [step / line.capacity, step / line.inertance, line.resistance, line.turbulent_per_flow]
+    return np.array([*own, float(bool(line.creep)), *wall.wall_numbers(line, step)])
 
 
 @kernel
@@ -43,6 +47,10 @@ def arriving(lines, place, numbers, memory, c, z) -> None:
         i, at = lines[k], place[k]
         c[2 * i], c[2 * i + 1] = memory[at], memory[at + 1]
         z[2 * i] = z[2 * i + 1] = numbers[k, Z]
+        if numbers[k, CREEPS] > 0.0:
+            for e in (2 * i, 2 * i + 1):
+                states = memory[at + WALL + (e & 1) * wall.ELEMENTS :]
+                c[e], z[e] = creep_port(c[e], z[e], numbers[k, CREEP:], states)
 
 
 @kernel
@@ -51,6 +59,10 @@ def departing(lines, place, numbers, memory, q) -> None:
     for k in range(len(lines)):
         i, at, z, push = lines[k], place[k], numbers[k, Z], numbers[k, PER_INERTANCE]
         q_1, q_2, flow = q[2 * i], q[2 * i + 1], memory[at + 2]
+        if numbers[k, CREEPS] > 0.0:
+            n = numbers[k, CREEP:]
+            q_1 = inner_flow(memory[at], z, q_1, n, memory[at + WALL :])
+            q_2 = inner_flow(memory[at + 1], z, q_2, n, memory[at + WALL + wall.ELEMENTS :])
         p_1, p_2 = memory[at] + z * q_1, memory[at + 1] + z * q_2
         flow = _accelerated(flow, p_1 - p_2, push, numbers[k, RESISTANCE], numbers[k, PER_FLOW])
         memory[at], memory[at + 1] = p_1 + z * q_1 - 2.0 * z * flow, p_2 + z * q_2 + 2.0 * z * flow
@@ -80,6 +92,8 @@ def settle(lines, place, numbers, memory, p, q) -> None:
         p_1, p_2 = p[2 * i], p[2 * i + 1]
         memory[at], memory[at + 1] = p_1 - z * q[i], p_2 + z * q[i]
         memory[at + 2], memory[at + 3], memory[at + 4] = q[i], p_1, p_2
+        for j in range(wall.ELEMENTS):
+            memory[at + WALL + j], memory[at + WALL + wall.ELEMENTS + j] = p_1, p_2
 
 
 @kernel
