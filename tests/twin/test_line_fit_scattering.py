@@ -22,6 +22,7 @@ from tests.support.exact_line import (
 from twin.lines.filters import Filters, scattering
 from twin.lines.fit import SHORTEST, fit
 from twin.lines.householder import solve, split
+from twin.lines.spec import Creep
 from twin.lines.theory import LOSSES, Line, modes, slow_minus, slow_plus
 
 PIPES = st.builds(
@@ -72,14 +73,15 @@ def test_ends_never_create_energy(pipe: Pipe, step: float, model: str, scale: fl
 
 @pytest.mark.parametrize("losses", LOSSES)
 @pytest.mark.parametrize("dissipation", [1e-2, 0.4])
-def test_slow_series_is_that_of_the_exact_modes(losses: str, dissipation: float):
+@pytest.mark.parametrize("creep", [(), (Creep(0.4, 0.2e-3), Creep(0.25, 2e-3))])
+def test_slow_series_is_that_of_the_exact_modes(losses: str, dissipation: float, creep: tuple[Creep, ...]):
     """Taylor coefficients in closed form against Cauchy's integral; 1e-9: its rounding on a circle of 0.1."""
-    line = Line(1e-3, 1e-3 / dissipation, losses, 50e-6)
+    line = Line(1e-3, 1e-3 / dissipation, losses, 50e-6, creep)
     s = 0.1 * min(1.0, 5.0 * dissipation) / line.travel_time * np.exp(2j * np.pi * (np.arange(32) + 0.5) / 32)
-    plus, minus = modes(s, line.travel_time, line.viscous_time, losses)
+    plus, minus = modes(s, line.travel_time, line.viscous_time, losses, creep)
     u = s * line.travel_time
     found = [np.mean(plus / u**k).real * np.abs(u[0]) ** k for k in range(4)]
-    assert found == pytest.approx(slow_plus(dissipation, losses) * np.abs(u[0]) ** np.arange(4), abs=1e-9)
+    assert found == pytest.approx(slow_plus(line) * np.abs(u[0]) ** np.arange(4), abs=1e-9)
     assert np.mean(minus).real == pytest.approx(slow_minus(dissipation, losses), abs=1e-9)
 
 

@@ -37,7 +37,7 @@ class Chunks(NamedTuple):
 
 def fitted(line: LineNumbers, step: float) -> Filters:
     """The filters of a line; ValueError if it is too short."""
-    return fit(Line(line.travel_time, line.viscous_time, line.losses, step))
+    return fit(Line(line.travel_time, line.viscous_time, line.losses, step, line.creep))
 
 
 def chunks_of(

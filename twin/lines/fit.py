@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from twin.lines.filters import POLES, TAPS, Filters, lagrange, responses
+from twin.lines.filters import POLES, TAPS, Filters, lagrange, responses, scattering
 from twin.lines.householder import Matrix, product, split, triangle
 from twin.lines.passivity import enforced
 from twin.lines.theory import Line, modes, slow_minus, slow_plus
@@ -20,6 +20,8 @@ FAR = 100.0  # M of a long line
 POINTS = 300  # frequencies of the fit
 EVEN = 400  # more of them after a fit that was not passive
 TOLERANCE = 1e-9  # |S+-| - 1 that is certified
+FOLLOWED = 0.3  # angle per step up to which a line whose wall creeps must be met
+FAR_OFF = 0.05  # what may be missing in S+-
 RIDGE = 1e-5  # weight on the coefficients themselves: in short lines poles and taps could cancel each other
 
 
@@ -29,7 +31,7 @@ def fit(line: Line) -> Filters:
         raise ValueError(
             f"travel time {line.travel_time:.3g} s is {line.steps:.2f} steps, limit {SHORTEST} for model ends"
         )
-    if line.losses == "none":
+    if line.losses == "none" and not line.creep:
         return _lossless(line)
     empty = _empty(line, POLES)
     excess = math.inf
@@ -37,13 +39,29 @@ def fit(line: Line) -> Filters:
         omega = _frequencies(line, empty, EVEN if math.isfinite(excess) else 0)
         filters, excess = _fit(line, empty, omega, steep)
         if excess <= TOLERANCE:
+            _refuse_far_off(line, filters)
             return filters
     raise ValueError(f"no passive filters found for travel time {line.travel_time:.4g} s, |S| - 1 = {excess:.1e}")
 
 
+def _refuse_far_off(line: Line, filters: Filters) -> None:
+    """ValueError where a wall that creeps fast along a long line is beyond what so few poles can follow."""
+    if not line.creep:
+        return
+    omega = np.geomspace(1e-2 / line.travel_time, FOLLOWED / line.step, POINTS)
+    right = modes(1j * omega, line.travel_time, line.viscous_time, line.losses, line.creep)
+    miss = max(float(np.abs(a - b).max()) for a, b in zip(right, scattering(omega * line.step, filters), strict=True))
+    if miss > FAR_OFF:
+        times = ", ".join(f"{element.time:.3g} s" for element in line.creep)
+        raise ValueError(
+            f"retardation {times} is too fast for a travel time of {line.travel_time:.3g} s: the reflection is met "
+            f"within {miss:.2f}, limit {FAR_OFF}"
+        )
+
+
 def _fit(line: Line, empty: Filters, omega: Matrix, steep: float) -> tuple[Filters, float]:
     """Filters by least squares, as passive as rounds of enforcing make them, and their worst |S| - 1."""
-    plus, minus = modes(1j * omega, line.travel_time, line.viscous_time, line.losses)
+    plus, minus = modes(1j * omega, line.travel_time, line.viscous_time, line.losses, line.creep)
     a_plus, a_minus = responses(omega * line.step, empty)
     matrix = np.vstack([a_plus.real, a_plus.imag, a_minus.real, a_minus.imag])
     target = np.concatenate([plus.real, plus.imag, minus.real, minus.imag])
@@ -68,8 +86,9 @@ def _empty(line: Line, poles: int) -> Filters:
     slowest = max(min(0.4 * line.viscous_time, 40.0 * line.travel_time), 8.0 * line.step)
     fastest = line.step * (2.0 if line.steps > FAR else 0.6)
     none = np.zeros(poles)
+    spaced = np.geomspace(fastest, slowest, poles - len(line.creep)) if poles else none
     return Filters(
-        poles=np.exp(-line.step / np.geomspace(fastest, slowest, poles)) if poles else none,
+        poles=np.exp(-line.step / np.append(spaced, [element.time for element in line.creep])) if poles else none,
         direct=0.0,
         own=none,
         echo=none,
@@ -137,8 +156,7 @@ def _exact(line: Line, empty: Filters) -> tuple[Matrix, Matrix]:
     rows *= scale[:, None]
     across = np.ones(rows.shape[1])
     across[-(TAPS + len(empty.poles)) :] = -1.0
-    dissipation = line.dissipation
-    values = np.append(slow_plus(dissipation, line.losses), slow_minus(dissipation, line.losses))
+    values = np.append(slow_plus(line), slow_minus(line.dissipation, line.losses))
     rows = np.vstack([rows, rows[0] * across])
     size = np.abs(rows).max(axis=1)
     return rows / size[:, None], values / size

@@ -49,7 +49,7 @@ def _violations(theta: Matrix, filters: Filters, line: Line) -> tuple[Matrix, Ma
         at = _maxima(theta, found[mode], filters, mode)
         s = scattering(at, filters)[mode]
         size = np.abs(s)
-        goal = np.abs(modes(1j * at / line.step, line.travel_time, line.viscous_time, line.losses)[mode])
+        goal = np.abs(modes(1j * at / line.step, line.travel_time, line.viscous_time, line.losses, line.creep)[mode])
         excess = max(excess, float(size.max(initial=0.0)) - 1.0)
         bad = size > 1.0 - 0.1 * (1.0 - goal) + NOISE
         rows.append((np.conj(s / size)[bad, None] * responses(at[bad], filters)[mode]).real)
