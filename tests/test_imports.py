@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 COMPONENTS = (
-    *("oil", "orifice", "port", "contact", "fitting", "seal", "load", "pump", "cylinder", "lands"),
+    *("air", "oil", "iso_vg", "orifice", "port", "contact", "fitting", "seal", "load", "pump", "cylinder", "lands"),
     *("spool_valve", "switching_valve", "sensors", "amplifier", "minor_losses"),
     *("neck", "valve_body", "accessory", "counterbalance", "pilot_check", "throttle", "cushion"),
 )
