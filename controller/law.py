@@ -6,10 +6,21 @@ velocity of the piston and not on that of the error. A NaN in the sample gives a
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 from controller.reference import Target
+
+
+class Readings(dict[str, float]):
+    """What further channels of the card read, by name, SI."""
+
+    def __missing__(self, name: str) -> float:
+        chosen = ", ".join(self) or "none"
+        raise KeyError(f"{name} is not a channel of this scenario: put it into daq.channels (chosen: {chosen})")
+
+
+NO_CHANNELS = Readings()
 
 
 class Sample(NamedTuple):
@@ -19,6 +30,7 @@ class Sample(NamedTuple):
     p1: float  # [Pa], before the relief valve
     p2: float  # [Pa], lower chamber
     p3: float  # [Pa], upper chamber
+    channels: Mapping[str, float] = NO_CHANNELS  # further channels of the card, where the scenario chooses any
 
 
 class TrueSample(NamedTuple):
@@ -30,6 +42,7 @@ class TrueSample(NamedTuple):
     p1: float
     p2: float
     p3: float
+    channels: Mapping[str, float]
     true: Any  # the true state of the rig at the stamp, by the names of the message PlantState
 
 

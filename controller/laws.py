@@ -27,6 +27,7 @@ class ControlLaw(NamedTuple):
     on_resume: Hook = forget  # commands act again
     prepare: Callable[[Any], Any] = lambda gains: gains  # makes what the law is given of a scenario's gains
     name: str = ""  # of a user's, as people call it
+    channels: tuple[str, ...] = ()  # further ones of the card that it cannot do without
 
 
 LAWS: dict[str, ControlLaw] = {

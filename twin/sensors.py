@@ -3,16 +3,21 @@
 Source: 2.2.2. Channel j of n is read at t - (n-1-j) * skew, on the straight line through the last step, which is
 inside the step unless it is shorter than the scan; noise is added in units of the card's resolution; what lies outside
 a range reads as its end. The output, 0 to 10 V, has the resolution of the inputs. Each effect can be switched off.
+
+Further channels (assumed) have the same resolution and noise. They are sampled together, at the scan's end, and the
+noise of each is its own: it depends on no other channel, and the scan's does not depend on it.
 """
 
 import math
+import zlib
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.kernel import kernel
-from twin.topology import CHANNELS
+from twin.topology import CHANNELS, Sensor
 
 NOISE_ROWS = 1024
 
@@ -43,6 +48,38 @@ def noise_block(seed: int, block: int) -> NDArray[np.float64]:
     """Unit noise for ticks block * 1024 and on, shape (1024, channels): a function of the seed and the tick alone."""
     source = np.random.Generator(np.random.Philox(key=seed, counter=[0, 0, 0, block]))
     return source.standard_normal((NOISE_ROWS, len(CHANNELS)))
+
+
+class Inputs(NamedTuple):
+    """Further channels; ranges in the SI unit of each."""
+
+    low: NDArray[np.float64]
+    lsb: NDArray[np.float64]  # resolution
+    high: NDArray[np.float64]  # the greatest value that can be read
+    noise: float  # [LSB rms]
+    quantise: bool
+    clip: bool
+
+
+def inputs_of(daq: Any, chosen: Mapping[str, Sensor]) -> Inputs:
+    """The further channels that a section of settings describes."""
+    ends = np.array([sensor.ends(daq) for sensor in chosen.values()])
+    lsb = (ends[:, 1] - ends[:, 0]) / 2.0**daq.bits
+    return Inputs(ends[:, 0], lsb, ends[:, 1] - lsb, float(daq.noise), bool(daq.quantise), bool(daq.clip))
+
+
+def own_noise_block(seed: int, block: int, names: Iterable[str]) -> NDArray[np.float64]:
+    """Unit noise of further channels as `noise_block`, a column each; of the seed, the tick and the name alone."""
+    sources = (np.random.Philox(key=seed, counter=[0, zlib.crc32(name.encode()), 1, block]) for name in names)
+    return np.column_stack([np.random.Generator(source).standard_normal(NOISE_ROWS) for source in sources])
+
+
+def convert_all(values: NDArray[np.float64], noise: NDArray[np.float64], inputs: Inputs) -> NDArray[np.float64]:
+    """What further channels read of true values, as `convert`."""
+    readings = values + noise * inputs.noise * inputs.lsb
+    if inputs.quantise:
+        readings = inputs.low + inputs.lsb * np.floor((readings - inputs.low) / inputs.lsb + 0.5)
+    return np.minimum(np.maximum(readings, inputs.low), inputs.high) if inputs.clip else readings
 
 
 @kernel

@@ -4,7 +4,8 @@ Plain data without numba, for whoever integrates, lists, names or draws the circ
 PLACES, PIPES and OBSERVED is that of the arrays of the plant and of the messages.
 """
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 
 class Place(NamedTuple):
@@ -35,6 +36,20 @@ class Channel(NamedTuple):
     def unit(self) -> str:
         """SI."""
         return OBSERVED[self.reads]
+
+
+class Sensor(NamedTuple):
+    """What a further channel of the card may read."""
+
+    unit: str  # SI
+    span: str  # field of the scenario's `daq` that states its range; without one it is 1
+    note: str  # in the message definition, behind the unit
+    signed: bool = False  # the range is -span .. span, else 0 .. span
+
+    def ends(self, daq: Any) -> tuple[float, float]:
+        """Its range on a card with a section of settings, SI."""
+        span = float(getattr(daq, self.span)) if self.span else 1.0
+        return -span if self.signed else 0.0, span
 
 
 TANK = "tank"  # at no pressure, no place of its own
@@ -102,3 +117,28 @@ CHANNELS = {  # in the order in which the card reads them
 PRESSURES = tuple(name for name, channel in CHANNELS.items() if channel.unit == "Pa")
 PLACE_OF = {place.pressure: name for name, place in PLACES.items()}
 TAPS = {tap: PLACE_OF[CHANNELS[tap].reads] for tap in PRESSURES}  # where they are
+
+SENSORS = {  # of every drive: what the scenario's `daq.channels` may name
+    **{place.pressure: Sensor("Pa", "pressure_range", f" gauge, {place.words}") for place in PLACES.values()},
+    **{
+        flow: Sensor("m^3/s", "flow_range", f", {name} from {pipe.first} to {pipe.second}", signed=True)
+        for flow, (name, pipe) in zip(FLOWS, PIPES.items(), strict=True)
+    },
+    "flow_pump": Sensor("m^3/s", "flow_range", ", what the supply delivers", signed=True),
+    "flow_relief": Sensor("m^3/s", "flow_range", ", through the relief valve", signed=True),
+    "spool": Sensor("", "", ", of the directional valve, share of its travel", signed=True),
+    "relief_pilot": Sensor("m", "lift_range", ", lift of the relief valve's pilot poppet"),
+    "relief_spool": Sensor("m", "lift_range", ", lift of the relief valve's main spool"),
+    "force": Sensor("N", "force_range", ", of the rod on its load, upwards", signed=True),
+    "acceleration": Sensor("m/s^2", "acceleration_range", ", of the piston, upwards", signed=True),
+}
+KEPT: dict[str, dict[str, dict[str, Sensor]]] = {}  # what a fitted kind adds: section of the rig, kind, name
+
+
+def sensors(values: Mapping[str, Mapping[str, Any]]) -> dict[str, Sensor]:
+    """All that the channels of a drive may read, of the rig's numbers; a kind's own begin with its section."""
+    found = dict(SENSORS)
+    for section, kinds in KEPT.items():
+        own = kinds.get(values.get(section, {}).get("kind", ""), {})
+        found |= {f"{section}_{name}": sensor for name, sensor in own.items()}
+    return found

@@ -6,20 +6,31 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.options import AS_JSON
+from bridge.cli.options import AS_JSON, CHANGES
 from bridge.cli.outputs import print_json
+from bridge.errors import UsageError
 
 C = Annotated[bool, typer.Option("--c", help="Print hydrotwin_law.h, the header of a law in C, and nothing else.")]
 
 
-def messages(header: C = False, as_json: AS_JSON = False) -> None:
+OF = Annotated[
+    str | None, typer.Option("--scenario", help="Print the further channels of a scenario and their message instead.")
+]
+
+
+def messages(header: C = False, scenario: OF = None, changes: CHANGES = None, as_json: AS_JSON = False) -> None:
     """Print every key, type, rate, `.msg` text and `struct` format, and how to write a controller with them."""
     if header:
         print((resources.files("bridge.loop") / "hydrotwin_law.h").read_text(encoding="utf-8"), end="")
         return
+    if changes and scenario is None:
+        raise UsageError("--set changes a scenario: name it with --scenario")
+    if scenario is not None:
+        _channels(scenario, changes or [], as_json)
+        return
     from bridge.cli.tables import print_table
     from bridge.wire.guide import GUIDE
-    from bridge.wire.messages import TOPICS, definition, described, field_names, struct_format
+    from bridge.wire.messages import TOPICS, definition, described, field_names
 
     rows = [
         (
@@ -29,7 +40,7 @@ def messages(header: C = False, as_json: AS_JSON = False) -> None:
             t.rate,
             "data" if t.data else "",
             t.delivery,
-            _short(struct_format(t.type) or ""),
+            _struct(t.type),
         )
         for t in TOPICS.values()
     ]
@@ -44,6 +55,36 @@ def messages(header: C = False, as_json: AS_JSON = False) -> None:
     for kind in types:
         print(f"\n# {kind}\n{described(kind).rstrip()}")
     print(f"\n{GUIDE}", end="")
+
+
+def _channels(which: str, changes: list[str], as_json: bool) -> None:
+    """The message of a scenario's further channels, and what its channels may read."""
+    from bridge.cli.tables import print_table
+    from bridge.scenario import load
+    from bridge.scenario.channels import layout_of, rows_of
+    from bridge.wire.channels import format_of, text_of
+    from bridge.wire.messages import CHANNELS_TOPIC, VARYING
+
+    scenario = load(which, changes)
+    layout, rows = layout_of(scenario), rows_of(scenario)
+    if as_json:
+        message = {"key": f"{scenario.rig_name}/{CHANNELS_TOPIC}", "type": VARYING, "struct": format_of(layout)}
+        known = [row._asdict() for row in rows]
+        print_json({**message, "definition": text_of(layout), "channels": scenario.daq.channels, "known": known})
+        return
+    print_table(("channel", "unit", "from", "to", "reads", "chosen"), [row.in_words() for row in rows])
+    if layout:
+        print(f"\n# {VARYING} on {scenario.rig_name}/{CHANNELS_TOPIC}, struct {_short(format_of(layout))}")
+        print(text_of(layout), end="")
+    else:
+        print('\nNone is chosen, so none is published. Choose some: daq.channels = ["p_pump", "force"]')
+
+
+def _struct(kind: str) -> str:
+    """The struct format of a message; empty for one with strings or arrays."""
+    from bridge.wire.messages import VARYING, struct_format
+
+    return _short(struct_format(kind) or "") + (", then d per channel" if kind == VARYING else "")
 
 
 def _short(layout: str) -> str:

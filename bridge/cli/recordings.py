@@ -58,6 +58,9 @@ def export(
     parquet: Annotated[bool, typer.Option("--parquet", help="One Parquet file per channel.")] = False,
     mat: Annotated[bool, typer.Option("--mat", help="A MATLAB file, one structure per channel.")] = False,
     topics: TOPICS = None,
+    absolute: Annotated[
+        bool, typer.Option("--absolute", help="Absolute pressures: gauge and 1 bar of ambient.")
+    ] = False,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="[default: beside FILE]", show_default=False)
     ] = None,
@@ -75,7 +78,7 @@ def export(
         raise UsageError("export: name one of --csv, --parquet, --mat")
     recording = read(file)
     chosen = sorted(choose([topic for topic in recording.counts if topic in OURS], topics))
-    paths = write(recording, chosen, forms[0], output or file.with_suffix(".mat" if mat else ""))
+    paths = write(recording, chosen, forms[0], output or file.with_suffix(".mat" if mat else ""), absolute)
     if as_json:
         print_json([str(path) for path in paths])
     else:

@@ -6,6 +6,7 @@ A run's memory is an open copy of the library and its numbers: None opens a fres
 import ctypes
 import math
 import struct
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,8 +24,9 @@ from controller.reference import Target
 SAMPLE = ("stamp_ns", "position", "velocity", "p1", "p2", "p3")  # hydrotwin_sample, as fields of Sample
 TARGET = ("position", "velocity")  # hydrotwin_target
 FACTS = ("sample_period", "limit", "overlap")  # hydrotwin_facts
-INPUTS = struct.Struct(f"@q{len(SAMPLE) - 1 + len(TARGET)}d")  # both, one behind the other
-TARGET_AT = 8 * len(SAMPLE)
+HEAD = f"@q{len(SAMPLE) - 1}dP"  # behind the readings, where the further channels are
+INPUTS = struct.Struct(f"{HEAD}{len(TARGET)}d")  # both, one behind the other
+TARGET_AT = struct.calcsize(f"{HEAD}0d")
 HOOKS = ("on_safe_state", "on_resume")
 
 
@@ -47,7 +49,9 @@ def c_law(controller: InC) -> ControlLaw:
         return run.answer(sample, target, gains), run, *run.signals()
 
     hooks = {name: _hook(name) if f"_{name}" in exports.functions else forget for name in HOOKS}
-    return ControlLaw(answer, **hooks, prepare=lambda gains: _prepared(gains, exports, code.label), name=code.name)
+    return ControlLaw(
+        answer, **hooks, prepare=_preparing(exports, code.label), name=code.name, channels=exports.channels
+    )
 
 
 def _fresh(first: list[Library], code: Code) -> Library:
@@ -81,6 +85,9 @@ class CRun:
         self.memory = (ctypes.c_double * exports.memory)()
         self._declared = exports.signals
         self._signals = (ctypes.c_double * len(exports.signals))()
+        self._channels = exports.channels
+        self._readings = (ctypes.c_double * len(exports.channels))()
+        self._further = ctypes.addressof(self._readings) if exports.channels else 0
         self._inputs = ctypes.create_string_buffer(INPUTS.size)
         self._spool = ctypes.c_double()
         inputs = ctypes.addressof(self._inputs)
@@ -93,7 +100,8 @@ class CRun:
 
     def answer(self, sample: Sample, target: Target, gains: Prepared) -> float:
         """The spool reference. Raises RunError for a law that fails or gives no number."""
-        INPUTS.pack_into(self._inputs, 0, *sample[: len(SAMPLE)], *target[: len(TARGET)])
+        INPUTS.pack_into(self._inputs, 0, *sample[: len(SAMPLE)], self._further, *target[: len(TARGET)])
+        self._readings[:] = [sample.channels[name] for name in self._channels]
         self._spool.value = math.nan
         returned = self._law(*self._from, gains.facts, gains.numbers, *self._to)
         spool = self._spool.value
@@ -120,6 +128,10 @@ class CRun:
 
 def _hook(name: str) -> Hook:
     return lambda memory: None if memory is None else memory.told(name)
+
+
+def _preparing(exports: Exports, label: str) -> Callable[[CGains], Prepared]:
+    return lambda gains: _prepared(gains, exports, label)
 
 
 def _prepared(gains: CGains, exports: Exports, label: str) -> Prepared:

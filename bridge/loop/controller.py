@@ -1,21 +1,25 @@
 """The controller as its partners see it: measurements in, commands out. No clock, no network."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from bridge.errors import ScenarioError
+from bridge.errors import RunError, ScenarioError, nearest
 from bridge.loop.controller_tuning import ControllerTuning
 from bridge.loop.law import law_of
 from bridge.loop.law_messages import LawMessages
 from bridge.scenario import Scenario
+from bridge.scenario.channels import chosen
 from bridge.scenario.gains import law_gains
 from bridge.wire.codec import Reference, ValveCommand
 from bridge.wire.messages import EventKind, Outgoing
 from controller.grid import NS, is_sample
-from controller.law import Sample, TrueSample
+from controller.law import NO_CHANNELS, Readings, Sample, TrueSample
 from controller.laws import ControlLaw
 from controller.reference import Target, evaluate
+from twin.topology import CHANNELS
+
+READ = tuple(name for name in Sample._fields if name in CHANNELS)  # of each measurement
 
 
 class ControllerSide:
@@ -26,6 +30,9 @@ class ControllerSide:
         self.source = source
         scenarios = law_of(scenario.controller)
         self.law = scenarios if law is None else law._replace(prepare=scenarios.prepare)
+        given = law is not None or scenario.controller.reads_channels
+        self._names = tuple(chosen(scenario)) if given else ()  # of the further channels that the law gets
+        _refuse_lack(self.law, self._names)
         self.gains = self.law.prepare(law_gains(scenario))
         self.reference = scenario.reference.reference()
         self.follows = scenario.controller.follows
@@ -36,15 +43,35 @@ class ControllerSide:
             self.law.prepare(law_gains(changed))
         self.sees_truth = scenario.controller.sees_truth
         self._true: Any = None
+        self._channels: Any = None
         self._memory: Any = None
+
+    @property
+    def reads_channels(self) -> bool:
+        """Is the law given further channels of the card?"""
+        return bool(self._names)
 
     def see(self, state: Any) -> None:
         """Take the true state of a tick, before its measurement, for a law that asks for it."""
         self._true = state
 
+    def hear(self, channels: Any) -> None:
+        """Take the further channels of a tick, before its measurement. Raises RunError for those of another layout."""
+        if self._names and len(channels.values) != len(self._names):
+            raise RunError(
+                f"the plant publishes {len(channels.values)} further channels, this controller's scenario has "
+                f"{len(self._names)}: give both the same daq.channels"
+            )
+        self._channels = channels
+
+    def named(self, values: Iterable[float]) -> Mapping[str, float]:
+        """A scan of the further channels, as the law is given it."""
+        return Readings(zip(self._names, values, strict=True))
+
     def waits(self, stamp: int) -> bool:
-        """Does the law need the true state of a sample, and has not got it yet?"""
-        return self.sees_truth and (self._true is None or self._true.stamp != stamp) and is_sample(stamp, self.grid)
+        """Does the law need more of a sample than its measurement, and has not got it yet?"""
+        lacks = (self.sees_truth and _other(self._true, stamp)) or (self._names and _other(self._channels, stamp))
+        return bool(lacks) and is_sample(stamp, self.grid)
 
     @property
     def published(self) -> dict[str, int]:
@@ -60,7 +87,7 @@ class ControllerSide:
         if not is_sample(stamp, self.grid):
             return []
         self.own.run_id = measurement.run_id
-        sample = sample_of(stamp, vars(measurement))
+        sample = sample_of(stamp, vars(measurement), self._further())
         spool, target = self.decide(TrueSample(*sample, self._true) if self.sees_truth else sample)
         sequence, self._sent = self._sent, self._sent + 1
         position = target.position if self.follows else math.nan
@@ -102,6 +129,9 @@ class ControllerSide:
         self.own.log(stamp, *signals)
         return float(spool), target
 
+    def _further(self) -> Mapping[str, float]:
+        return self.named(self._channels.values) if self._names else NO_CHANNELS
+
     def _retune(self, changed: Scenario, stamp: int) -> None:
         """Take other numbers; where the law's own declaration refuses them, those before stay, and it is told."""
         try:
@@ -114,6 +144,21 @@ class ControllerSide:
         return self._tuning.target(evaluate(self.reference, stamp / NS), stamp)
 
 
-def sample_of(stamp: int, readings: Mapping[str, Any]) -> Sample:
+def sample_of(stamp: int, readings: Mapping[str, Any], channels: Mapping[str, float] = NO_CHANNELS) -> Sample:
     """What a law is given of a scan at a stamp [ns]: the channels that it may read."""
-    return Sample(stamp, **{name: readings[name] for name in Sample._fields[1:]})
+    return Sample(stamp, **{name: readings[name] for name in READ}, channels=channels)
+
+
+def _refuse_lack(law: ControlLaw, chosen: tuple[str, ...]) -> None:
+    """Raises ScenarioError for a law that reads a channel which the scenario has not chosen."""
+    for name in law.channels:
+        if name not in chosen:
+            raise ScenarioError(
+                f"the law {law.name} reads the channel {name!r}, which daq.channels does not name"
+                f"{nearest(name, chosen) if chosen else ''}: add it there"
+            )
+
+
+def _other(message: Any, stamp: int) -> bool:
+    """Is the newest message of a topic not that of a stamp [ns]?"""
+    return message is None or message.stamp != stamp

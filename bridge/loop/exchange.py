@@ -34,7 +34,10 @@ def answered(plant: PlantSide, controller: ControllerSide, out: list[Outgoing]) 
     out: the plant's messages of this tick, whose events the controller heeds for its next answer.
     """
     if controller.waits(plant.now):
-        controller.see(plant.true_state())
+        if controller.sees_truth:
+            controller.see(plant.true_state())
+        if controller.reads_channels:
+            controller.hear(plant.channels)
     answers = controller.answer(plant.measurement)
     for answer in answers:
         if answer.topic == "command":

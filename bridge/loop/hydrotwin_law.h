@@ -30,6 +30,7 @@ typedef struct {
   double p1;       /* [Pa], before the relief valve */
   double p2;       /* [Pa], lower chamber */
   double p3;       /* [Pa], upper chamber */
+  const double *channels; /* further channels of the card, SI, in the order of hydrotwin_law_channels; 0 without */
 } hydrotwin_sample;
 
 /* What is wanted at that instant. */
@@ -70,6 +71,10 @@ extern const char *const hydrotwin_law_parameters[];
 /* What the law logs: const hydrotwin_signal hydrotwin_law_signals[] = {{"integral", "m s"}, {0, 0}};
    Without it nothing. */
 extern const hydrotwin_signal hydrotwin_law_signals[];
+
+/* Further channels that the law reads, then 0: const char *const hydrotwin_law_channels[] = {"p_pump", "force", 0};
+   the scenario names each of them in daq.channels. Without it none. */
+extern const char *const hydrotwin_law_channels[];
 
 /* Called before the first sample, and after a forgotten memory; returns 0, any other number ends the run as failed. */
 int hydrotwin_law_init(const hydrotwin_facts *facts, const double *parameters, double *memory);

@@ -47,6 +47,7 @@ class Exports(NamedTuple):
     parameters: tuple[str, ...]
     signals: tuple[tuple[str, str], ...]  # name, unit
     functions: frozenset[str]  # of FUNCTIONS
+    channels: tuple[str, ...] = ()  # further ones that it reads
 
 
 class Library:
@@ -78,9 +79,10 @@ class Library:
         memory = self._number("_memory") or 0
         if not 0 <= memory <= MOST_MEMORY:
             raise self.refused(f"asks for {memory} numbers of memory: {PREFIX}_memory is 0 to {MOST_MEMORY}")
-        signals = tuple((self._name(s.name), (s.unit or b"").decode("utf-8", "replace")) for s in self._list(Signal))
-        parameters = tuple(self._name(entry.value) for entry in self._list(ctypes.c_char_p))
-        return Exports(memory, parameters, signals, found)
+        entries = self._list(Signal, "_signals")
+        signals = tuple((self._name(s.name), (s.unit or b"").decode("utf-8", "replace")) for s in entries)
+        parameters, channels = (self._names(what) for what in ("_parameters", "_channels"))
+        return Exports(memory, parameters, signals, found, channels)
 
     def refused(self, words: str) -> ScenarioError:
         """An error about this library."""
@@ -91,11 +93,13 @@ class Library:
             return ctypes.c_int32.in_dll(self.handle, PREFIX + suffix).value
         return None
 
-    def _list(self, kind: Any) -> list[Any]:
+    def _names(self, suffix: str) -> tuple[str, ...]:
+        return tuple(self._name(entry.value) for entry in self._list(ctypes.c_char_p, suffix))
+
+    def _list(self, kind: Any, suffix: str) -> list[Any]:
         """The entries of an exported list up to its end, which is a null."""
-        what = f"{PREFIX}_signals" if kind is Signal else f"{PREFIX}_parameters"
         try:
-            first = ctypes.addressof(kind.in_dll(self.handle, what))
+            first = ctypes.addressof(kind.in_dll(self.handle, PREFIX + suffix))
         except ValueError:
             return []
         found = []
@@ -104,7 +108,7 @@ class Library:
             if (entry.name if kind is Signal else entry.value) is None:
                 return found
             found.append(entry)
-        raise self.refused(f"has a list {what} without an end: put a null behind its last entry")
+        raise self.refused(f"has a list {PREFIX}{suffix} without an end: put a null behind its last entry")
 
     def _name(self, text: bytes) -> str:
         name = text.decode("utf-8", "replace")

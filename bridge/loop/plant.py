@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.loop.acquisition import Acquisition
+from bridge.loop.further import further_channels, message
 from bridge.loop.inlet import SAFE, Inlet, Note
 from bridge.loop.line_profiles import LineProfiles
 from bridge.loop.live_reference import LiveReference
@@ -21,7 +22,7 @@ from bridge.scenario.references import Live
 from bridge.scenario.tunable import REFERENCE, Tunable
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
 from bridge.wire.events import silence
-from bridge.wire.messages import TOPICS, EventKind, Outgoing, Reason, of_tap
+from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, EventKind, Outgoing, Reason, of_tap
 from bridge.wire.status import PlantStatus, Reading
 from controller.grid import NS, last_due, next_sample
 from twin.circuit.block import block_of, compiled
@@ -47,6 +48,7 @@ class PlantSide:
         self._block = block_of(self._circuit)
         self._state = rest_of(scenario)
         self._acquisition = Acquisition(scenario)
+        self._further = further_channels(scenario, self._circuit)
         self._observed = np.zeros(len(OBSERVED))
         self._lines = LineProfiles(run_id, self._circuit)
         self._tuning = PlantTuning(scenario, self._circuit, self._state, self._acquisition, self._tell)
@@ -54,6 +56,7 @@ class PlantSide:
         self._reference = SAFE  # that acts on the spool
         self._run(SAFE, 0)
         self.measurement: Any = None
+        self.channels: Any = None  # the newest scan of further channels; None where the scenario has none
 
     @property
     def now(self) -> int:
@@ -135,7 +138,7 @@ class PlantSide:
             return self._messages()
         measured = self._measure()
         self._tuning.watch(self.now, self._signal)
-        return [measured, *self._drain()]
+        return [*measured, *self._drain()]
 
     def status(self) -> PlantStatus:
         """How it is doing."""
@@ -170,7 +173,7 @@ class PlantSide:
         return sequence
 
     def _messages(self) -> list[Outgoing]:
-        out = [self._measure(), self._true_state()]
+        out = [*self._measure(), self._true_state()]
         self._tuning.watch(self.now, self._signal)
         if self.tick_number % self._viewer_ticks == 0:
             out += self._viewer_messages()
@@ -195,14 +198,24 @@ class PlantSide:
         event = Event(run_id=self.run_id, sequence=sequence, stamp=self.now, **note._asdict())
         return Outgoing("event", self.now, sequence, event)
 
-    def _measure(self) -> Outgoing:
+    def _measure(self) -> list[Outgoing]:
+        """The measurement, and before it the further channels, so that who waits for it has them."""
         self._tuning.sense(self.now)
         reading = dict(zip(CHANNELS, self._acquisition.read(self.tick_number).tolist(), strict=True))
         sequence = self._count("measurement")
         self.measurement = Measurement(
             run_id=self.run_id, sequence=sequence, tick=self.tick_number, stamp=self.now, **reading
         )
-        return Outgoing("measurement", self.now, sequence, self.measurement)
+        return [*self._read_further(), Outgoing("measurement", self.now, sequence, self.measurement)]
+
+    def _read_further(self) -> list[Outgoing]:
+        if self._further is None:
+            return []
+        taps, sequence = self._acquisition.taps, self._count(CHANNELS_TOPIC)
+        readings = self._further.read(self.tick_number, self._state, self._observed, taps)
+        read = message(self.run_id, sequence, self.tick_number, self.now, readings)
+        self.channels = read.message
+        return [read]
 
     def true_state(self) -> Any:
         """The message that was last published, or is to be."""

@@ -9,7 +9,7 @@ from bridge.scenario import Scenario
 from bridge.wire.events import last_words
 from bridge.wire.messages import Ending, Outgoing
 from controller.grid import is_sample
-from controller.law import Sample
+from controller.law import NO_CHANNELS, Sample
 from controller.laws import ControlLaw
 from controller.reference import Target
 
@@ -33,7 +33,9 @@ class SteppedLoop:
     @property
     def sample(self) -> Sample:
         """The newest scan, as a law is given it."""
-        return sample_of(self.plant.now, vars(self.plant.measurement))
+        further, now = self.plant.channels, self.plant.now
+        named = NO_CHANNELS if further is None else self.controller.named(further.values)
+        return sample_of(now, vars(self.plant.measurement), named)
 
     @property
     def target(self) -> Target:

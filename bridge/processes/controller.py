@@ -17,7 +17,7 @@ from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
 from bridge.wire.events import line_of_law, reason_of
 from bridge.wire.link import Link
-from bridge.wire.messages import GOING, EventKind, Mode, Outgoing, Phase, Reason
+from bridge.wire.messages import CHANNELS_TOPIC, GOING, EventKind, Mode, Outgoing, Phase, Reason
 from bridge.wire.status import PUBLISHED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 
@@ -44,9 +44,11 @@ class ControllerProcess:
         self._last_tick: int | None = None  # of the plant, once it has said so
         self._deadline = float("inf")
         self._fault: Exception | None = None
-        self._waiting: Any = None  # the measurement whose true state has not come yet
+        self._waiting: Any = None  # the measurement of which the law needs more that has not come yet
         heeded = [("measurement", self._answer), ("event", self._heed), ("status", self._follow)]
-        for topic, heed in [*heeded, *([("state", self._see)] if side.sees_truth else [])]:
+        heeded += [("state", self._before(side.see))] if side.sees_truth else []
+        heeded += [(CHANNELS_TOPIC, self._before(side.hear))] if side.reads_channels else []
+        for topic, heed in heeded:
             ready(topic)
             bus.subscribe(topic, self._guarded(topic, heed))
         bus.watch()
@@ -98,16 +100,20 @@ class ControllerProcess:
 
         return receive
 
-    def _see(self, state: Any) -> None:
-        self.side.see(state)
-        if self._waiting is not None and self._waiting.stamp == state.stamp:
-            self._answer(self._waiting)
+    def _before(self, take: Callable[[Any], None]) -> Callable[[Any], None]:
+        """Take what the law needs of a tick, and answer where it has only waited for that."""
+
+        def heed(message: Any) -> None:
+            take(message)
+            if self._waiting is not None and self._waiting.stamp == message.stamp:
+                self._answer(self._waiting)
+
+        return heed
 
     def _answer(self, measurement: Any) -> None:
         self._waiting = measurement if self.side.waits(measurement.stamp) else None
-        if self._waiting is not None:
-            return
-        self._publish(self.side.answer(measurement))
+        if self._waiting is None:
+            self._publish(self.side.answer(measurement))
         self._run_id, self._stamp, self._tick = measurement.run_id, measurement.stamp, measurement.tick
 
     def _publish(self, messages: list[Outgoing]) -> None:

@@ -14,9 +14,12 @@ from bridge.recording.tables import Column, table
 Writer = Callable[[dict[str, list[Column]], Path], list[Path]]
 
 
-def export(recording: Recording, topics: list[str], form: str, output: Path) -> list[Path]:
-    """Write topics to a folder (csv, parquet) or to a file (mat); the files written."""
-    tables = {topic: table(recording, topic) for topic in topics if recording.counts.get(topic)}
+def export(recording: Recording, topics: list[str], form: str, output: Path, absolute: bool = False) -> list[Path]:
+    """Write topics to a folder (csv, parquet) or to a file (mat); the files written.
+
+    absolute: pressures above a vacuum, not gauge.
+    """
+    tables = {topic: table(recording, topic, absolute) for topic in topics if recording.counts.get(topic)}
     if not tables:
         raise UsageError(f"{recording.path}: there is nothing in it to export")
     with writing(output):

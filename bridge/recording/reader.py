@@ -19,12 +19,10 @@ from bridge.recording.own_signals import TOPIC as OWN_SIGNALS
 from bridge.recording.own_signals import own_columns
 from bridge.recording.scan import Piece, Scan, contents, described_at_end, inside
 from bridge.scenario import Scenario, check
-from bridge.wire.codec import STORE
-from bridge.wire.messages import (
-    TOPICS,
-    field_names,
-    struct_format,
-)
+from bridge.scenario.channels import layout_of
+from bridge.wire.channels import Layout, format_of, layout_in
+from bridge.wire.codec import STORE, decode
+from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, field_names, struct_format
 from controller.grid import NS
 
 log = logging.getLogger("hydrotwin")
@@ -56,6 +54,8 @@ class Recording(NamedTuple):
 
     def messages(self, topic: str) -> list[Any]:
         """The decoded messages of one topic."""
+        if topic == CHANNELS_TOPIC:
+            return [decode(entry.data, topic) for entry in self.of(topic)]
         kind = TOPICS[topic].type
         return [STORE.deserialize_cdr(entry.data, kind) for entry in self.of(topic)]
 
@@ -63,14 +63,28 @@ class Recording(NamedTuple):
         """A flat topic as one array per field; what laws log as one array per signal, too."""
         if topic == OWN_SIGNALS:
             return own_columns(self.messages(topic))
+        names, layout = self._flat(topic)
+        codes = {"Q": "<u8", "q": "<i8", "d": "<f8"}
+        fields = [(n, codes[c]) for n, c in zip(names, layout[3:], strict=True)]
+        rows = np.frombuffer(b"".join(entry.data[4:] for entry in self.of(topic)), dtype=fields)
+        return {name: rows[name] for name, _ in fields}
+
+    def layout(self) -> Layout:
+        """The further channels of the run: as the file describes them, else as its scenario does."""
+        if CHANNELS_TOPIC in self.channels:
+            return layout_in(self.channels[CHANNELS_TOPIC].definition)
+        return layout_of(self.scenario()) if self.counts.get(CHANNELS_TOPIC) else ()
+
+    def _flat(self, topic: str) -> tuple[list[str], str]:
+        """The names of a flat topic's fields and its `struct` format. Raises ValueError for another topic."""
         kind = TOPICS[topic].type
+        if topic == CHANNELS_TOPIC:
+            further = self.layout()
+            return [*field_names(kind), *(field.name for field in further)], format_of(further)
         layout = struct_format(kind)
         if layout is None:
             raise ValueError(f"{topic} has strings or lists and no columns")
-        codes = {"Q": "<u8", "q": "<i8", "d": "<f8"}
-        fields = [(n, codes[c]) for n, c in zip(field_names(kind), layout[3:], strict=True)]
-        rows = np.frombuffer(b"".join(entry.data[4:] for entry in self.of(topic)), dtype=fields)
-        return {name: rows[name] for name, _ in fields}
+        return field_names(kind), layout
 
     def scenario(self) -> Scenario:
         """The scenario of the run. Raises UsageError when the file carries none."""

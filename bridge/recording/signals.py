@@ -10,11 +10,11 @@ from bridge.recording.own_signals import TOPIC as OWN_SIGNALS
 from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Recording
 from bridge.scenario.bands import SIGNALS
-from bridge.wire.messages import TOPICS, described, of_tap, struct_format
+from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, described, of_tap, struct_format
 from controller.grid import NS
 from twin.topology import PRESSURES
 
-COMPARED = ("measurement", "state", "command", "reference", "signals")
+COMPARED = ("measurement", CHANNELS_TOPIC, "state", "command", "reference", "signals")
 INSTANTS = {"command": "sample_stamp"}  # of others "stamp"
 IDENTITY = ("run_id", "source", "sequence", "tick", "stamp", "sample_stamp")
 _COMMENT = re.compile(r"^\S+ (\w+)\s*#(.*)$", re.MULTILINE)
@@ -41,11 +41,15 @@ _SPACED = ("Pa s/m^3",)
 _STANDARD = {"joint": {"position": "m", "velocity": "m/s", "effort": "N"}} | {
     topic: {"fluid_pressure": "Pa", "variance": "Pa^2"} for topic in map(of_tap, PRESSURES)
 }
-_STANDARD |= {topic: {"stamp": "ns"} for topic in ("measurement", "state", "timing", "lines", "signals")}
+_STANDARD |= {
+    topic: {"stamp": "ns"} for topic in ("measurement", CHANNELS_TOPIC, "state", "timing", "lines", "signals")
+}
 
 
 def units_in(recording: Recording, topic: str) -> dict[str, str]:
-    """The same in a recording, which alone knows the units of what a law has logged."""
+    """The same in a recording, which alone knows the units of further channels and of what a law has logged."""
+    if topic == CHANNELS_TOPIC:
+        return units(topic) | {field.name: field.unit for field in recording.layout()}
     return units(topic) | (own_units(recording) if topic == OWN_SIGNALS else {})
 
 

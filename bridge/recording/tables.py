@@ -9,8 +9,11 @@ import numpy as np
 
 from bridge.recording.reader import Recording
 from bridge.recording.signals import has_columns, units_in
-from bridge.wire.messages import TOPICS
+from bridge.scenario.units import AMBIENT
+from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, of_tap
 from controller.grid import NS
+
+GAUGE = ("measurement", CHANNELS_TOPIC, "state", "lines")  # topics whose pressures are gauge, and those of the taps
 
 
 class Column(NamedTuple):
@@ -26,8 +29,11 @@ class Column(NamedTuple):
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-def table(recording: Recording, topic: str) -> list[Column]:
-    """The columns of a topic, first the time it was recorded at. Raises ValueError for a topic that is not ours."""
+def table(recording: Recording, topic: str, absolute: bool = False) -> list[Column]:
+    """The columns of a topic, first the time it was recorded at. Raises ValueError for a topic that is not ours.
+
+    absolute: pressures above a vacuum, not gauge.
+    """
     if topic not in TOPICS:
         raise ValueError(f"{topic}: a type that is not known here")
     time = np.array([entry.log_time for entry in recording.of(topic)], dtype=np.float64) / NS
@@ -38,7 +44,12 @@ def table(recording: Recording, topic: str) -> list[Column]:
         rows = [dict(_flat(message)) for message in recording.messages(topic)]
         names = dict.fromkeys(name for row in rows for name in row)
         rest = [_column(name, known.get(name.partition("[")[0], ""), [row.get(name) for row in rows]) for name in names]
-    return [Column("time", "s", time), *rest]
+    lifted = map(_absolute, rest) if absolute and (topic in GAUGE or topic.startswith(of_tap(""))) else rest
+    return [Column("time", "s", time), *lifted]
+
+
+def _absolute(column: Column) -> Column:
+    return Column(column.name, "Pa abs", column.values + AMBIENT) if column.unit == "Pa" else column
 
 
 def _column(name: str, unit: str, values: list[Any]) -> Column:

@@ -17,8 +17,9 @@ from mcap.writer import CompressionType, Writer
 from bridge.errors import UsageError, reason
 from bridge.recording.reader import Entry, Recording
 from bridge.recording.sink import Sink
-from bridge.wire.codec import encode, type_hash
-from bridge.wire.messages import OF_SOME_LAWS, TOPICS, Outgoing, definition
+from bridge.wire.channels import Layout, text_of
+from bridge.wire.codec import channels_hash, encode, type_hash
+from bridge.wire.messages import CHANNELS_TOPIC, OF_SOME_RUNS, TOPICS, Outgoing, definition
 from controller.grid import NS
 
 CHUNK = 8 * 1024 * 1024  # bytes; flushing by time closes them long before
@@ -36,10 +37,10 @@ QOS = """\
 """
 
 
-def new_recording(path: Path, rig_name: str) -> "RecordingWriter":
+def new_recording(path: Path, rig_name: str, channels: Layout = ()) -> "RecordingWriter":
     """A file of a run. Raises UsageError with one line when it cannot be made, or another run writes to it."""
     try:
-        return RecordingWriter(path, rig_name)
+        return RecordingWriter(path, rig_name, channels=channels)
     except OSError as error:
         raise UsageError(reason(error)) from None
 
@@ -56,7 +57,7 @@ def save(recording: Recording, path: Path, rig_name: str) -> Path:
         raise UsageError(
             f"{recording.path} holds topics that are not ours ({', '.join(foreign)}): copy the file itself"
         )
-    writer = new_recording(path, rig_name)
+    writer = new_recording(path, rig_name, recording.layout())
     try:
         for name, values in recording.metadata.items():
             writer.metadata(name, values)
@@ -72,16 +73,25 @@ def save(recording: Recording, path: Path, rig_name: str) -> Path:
 class RecordingWriter:
     """One file of one run. Whatever writes to the disk raises OSError; the file then ends with what was whole."""
 
-    def __init__(self, path: Path, rig_name: str, topics: Collection[str] | None = None, fsync: bool = False) -> None:
+    def __init__(
+        self,
+        path: Path,
+        rig_name: str,
+        topics: Collection[str] | None = None,
+        fsync: bool = False,
+        channels: Layout = (),
+    ) -> None:
+        """topics: to describe from the start, None for all; channels: the further ones of the run."""
         self.path = path
         self.rig_name = rig_name
+        self._layout = channels
         self.pending: Counter[str] = Counter()  # messages per topic since the last flush
         self.span: tuple[int, int] | None = None  # first and last log time
         self.sink = Sink(path, fsync)
         # the writer writes, flushes and closes its stream, no more, and Sink does these
         self._writer = Writer(cast("IO[bytes]", self.sink), chunk_size=CHUNK, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="hydrotwin")
-        chosen = [name for name in TOPICS if (topics is None or name in topics) and name not in OF_SOME_LAWS]
+        chosen = [name for name in TOPICS if (topics is None or name in topics) and name not in OF_SOME_RUNS]
         self._channels = {name: self._register(name) for name in chosen}
         self._flushed = 0
 
@@ -145,11 +155,13 @@ class RecordingWriter:
 
     def _register(self, name: str) -> int:
         kind = TOPICS[name].type
-        text = definition(kind).encode()
-        schema = self._writer.register_schema(name=kind, encoding="ros2msg", data=text)
+        text, its_hash = definition(kind), type_hash(kind)
+        if name == CHANNELS_TOPIC:
+            text, its_hash = text_of(self._layout), channels_hash(self._layout)
+        schema = self._writer.register_schema(name=kind, encoding="ros2msg", data=text.encode())
         return self._writer.register_channel(
             topic=f"{self.rig_name}/{name}",
             message_encoding="cdr",
             schema_id=schema,
-            metadata={"offered_qos_profiles": QOS, "topic_type_hash": type_hash(kind)},
+            metadata={"offered_qos_profiles": QOS, "topic_type_hash": its_hash},
         )

@@ -1,5 +1,6 @@
 """Recorded measurements into a controller: which of them it got, and the controller as a process fed with those."""
 
+import json
 import queue
 import subprocess
 import tempfile
@@ -16,13 +17,19 @@ from bridge.machine.children import guarded
 from bridge.processes.child import Child
 from bridge.recording.reader import Entry, Recording
 from bridge.scenario import Scenario
+from bridge.scenario.channels import layout_of
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
-from bridge.wire.messages import SOURCED, Mode, Outgoing, Phase
+from bridge.wire.messages import CHANNELS_TOPIC, SOURCED, Mode, Outgoing, Phase
 from bridge.wire.status import PlantStatus
-from controller.grid import Sampling, is_sample
+from controller.grid import is_sample
 
-ORDER = {"state": 0, "measurement": 1, "event": 2}  # of what belongs to one instant, as a controller gets it
+ORDER = {
+    "state": 0,
+    CHANNELS_TOPIC: 0,
+    "measurement": 1,
+    "event": 2,
+}  # of what belongs to one instant, as a controller gets it
 PATIENCE = 10.0  # seconds for an answer
 STARTUP = 60.0  # seconds for the controller to appear
 
@@ -45,15 +52,16 @@ def _source(entry: Entry) -> int:
     return decode(entry.data, entry.topic).source
 
 
-def heard(recording: Recording, grid: Sampling, truth: bool = False) -> list[Entry]:
+def heard(recording: Recording, scenario: Scenario) -> list[Entry]:
     """The measurements that the controller answered, or may have, and the events of the plant, in their order.
 
-    truth: before each measurement the true state of its instant, too.
+    Before each measurement what else the scenario's law needs of its instant. Raises UsageError where that is missing.
 
     It counts its answers, so no measurement can hide.
 
     A sample without a command was heard if a number is missing there: then its answer got lost on the way to the file.
     """
+    grid, further = scenario.loop.grid(), needed(recording, scenario)
     sequences = {command.sample_stamp: command.sequence for command in recording.messages("command")}
     entries = sorted(recording.of("measurement"), key=lambda entry: entry.log_time)
     fed, open_samples, last = [], [], -1
@@ -65,9 +73,24 @@ def heard(recording: Recording, grid: Sampling, truth: bool = False) -> list[Ent
         fed += open_samples[len(open_samples) - missing :] if 0 < missing <= len(open_samples) else []
         fed.append(entry)
         open_samples, last = [], sequences[entry.log_time]
-    instants = {entry.log_time for entry in fed} if truth else set()
-    seen = [entry for entry in recording.of("state") if entry.log_time in instants] if truth else []
+    instants = {entry.log_time for entry in fed}
+    seen = [entry for topic in further for entry in recording.of(topic) if entry.log_time in instants]
     return sorted([*seen, *fed, *recording.of("event")], key=lambda entry: (entry.log_time, ORDER[entry.topic]))
+
+
+def needed(recording: Recording, scenario: Scenario) -> list[str]:
+    """The topics that the law needs with each measurement. Raises UsageError where the recording lacks its channels."""
+    topics = ["state"] if scenario.controller.sees_truth else []
+    wanted = layout_of(scenario) if scenario.controller.reads_channels else ()
+    if not wanted:
+        return topics
+    names, there = ([field.name for field in layout] for layout in (wanted, recording.layout()))
+    if names != there:
+        raise UsageError(
+            f"{recording.path}: its further channels are {', '.join(there) or 'none'}, the scenario's "
+            f"{', '.join(names)}: give --set daq.channels='{json.dumps(there)}', or record with those of the scenario"
+        )
+    return [*topics, CHANNELS_TOPIC]
 
 
 def through_side(entries: list[Entry], side: ControllerSide) -> Iterator[list[Outgoing]]:
@@ -75,6 +98,8 @@ def through_side(entries: list[Entry], side: ControllerSide) -> Iterator[list[Ou
     for entry in entries:
         if entry.topic == "state":
             side.see(decode(entry.data, "state"))
+        elif entry.topic == CHANNELS_TOPIC:
+            side.hear(decode(entry.data, CHANNELS_TOPIC))
         elif entry.topic == "event":
             yield side.heed(decode(entry.data, "event"))
         else:
@@ -115,7 +140,7 @@ class FedController:
         self._bus.await_roles(("controller",), STARTUP, self._child.ended)
         last: Any = None
         for entry in entries:
-            if entry.topic in ("event", "state"):
+            if entry.topic != "measurement":
                 message = decode(entry.data, entry.topic)
                 self._bus.publish(Outgoing(entry.topic, entry.log_time, entry.sequence, message), entry.data)
                 continue

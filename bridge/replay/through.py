@@ -18,13 +18,14 @@ from bridge.replay.into_controller import FedController, heard, only, owner, thr
 from bridge.replay.into_plant import through_plant
 from bridge.replay.residual import ReplayResult, Residuals, events_apart
 from bridge.scenario import Scenario, changed
+from bridge.scenario.channels import layout_of
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.bus import Bus
 from bridge.wire.link import Link, free_endpoint
-from bridge.wire.messages import Outgoing
+from bridge.wire.messages import CHANNELS_TOPIC, Outgoing
 
 REPLACING = ("controller.law", "controller.kind")  # changes that put another law in the recorded one's place
-COMPARED = {"plant": ("measurement", "state"), "controller": ("command", "reference", "signals")}
+COMPARED = {"plant": ("measurement", CHANNELS_TOPIC, "state"), "controller": ("command", "reference", "signals")}
 
 
 class Through(NamedTuple):
@@ -50,13 +51,14 @@ def replay_through(path: Path, request: Through) -> ReplayResult:
     else:
         circuit_of(scenario)  # refused before a file is begun
     run = recording.metadata["run"]
-    writer = new_recording(request.output, scenario.rig_name)
+    writer = new_recording(request.output, scenario.rig_name, layout_of(scenario))
     replayed = {"file": path.name, "into": request.into, "changes": list(request.changes)}
-    writer.metadata("run", run | {"scenario": scenario.model_dump(mode="json"), "mode": "replay", "replayed": replayed})
+    head = run | {"scenario": scenario.model_dump(mode="json"), "mode": "replay", "replayed": replayed}
+    writer.metadata("run", head)
     residuals = Residuals(recording, int(run["run_id"]))
     entries = _written(writer, _replayed(recording, scenario, request, residuals))
     writer.flush()
-    verdict = _judge(recording, in_memory(request.output, entries, {}), request)
+    verdict = _judge(recording, in_memory(request.output, entries, {"run": head}), request)
     writer.metadata("summary", summarise(read(request.output, NEEDED, growing=True), scenario, {}).plain())
     writer.metadata("replay", {"passed": verdict.passed, "signals": [d._asdict() for d in verdict.differences]})
     writer.close()
@@ -118,8 +120,7 @@ def _replayed(
 def _alone(recording: Recording, scenario: Scenario, into: str) -> Iterator[list[Outgoing]]:
     if into == "plant":
         return through_plant(recording, scenario)
-    fed = heard(recording, scenario.loop.grid(), scenario.controller.sees_truth)
-    return through_side(fed, ControllerSide(scenario, owner(recording)))
+    return through_side(heard(recording, scenario), ControllerSide(scenario, owner(recording)))
 
 
 def _through(recording: Recording, scenario: Scenario, into: str, bus: Bus, endpoint: str) -> Iterator[list[Outgoing]]:
@@ -127,7 +128,7 @@ def _through(recording: Recording, scenario: Scenario, into: str, bus: Bus, endp
         yield from through_plant(recording, scenario)
         return
     with FedController(bus, endpoint, scenario, owner(recording)) as controller:
-        yield from controller.answers(heard(recording, scenario.loop.grid(), scenario.controller.sees_truth))
+        yield from controller.answers(heard(recording, scenario))
 
 
 def _with_residuals(messages: list[Outgoing], residuals: Residuals) -> list[Outgoing]:

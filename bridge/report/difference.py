@@ -13,13 +13,14 @@ from bridge.scenario.bands import (
 )
 from bridge.scenario.describe import values_of
 from bridge.scenario.units import shown
+from bridge.wire.messages import CHANNELS_TOPIC
 
 
 def signal_differences(run: Run, other: Run) -> list[Difference]:
     """Every signal both runs have, in file order, in the units people read."""
     shared = [name for name in SIGNALS if name in run.state and name in other.state]
     found = [difference(name, _signal(run, name), _signal(other, name), 0.0, partly=True) for name in shared]
-    mine, theirs = (signals_of(each.recording, ("signals",)) for each in (run, other))
+    mine, theirs = (signals_of(each.recording, (CHANNELS_TOPIC, "signals")) for each in (run, other))
     found += [difference(name, mine[name], theirs[name], 0.0, partly=True) for name in mine if name in theirs]
     return [_shown(each) for each in found if each.instants]
 

@@ -7,7 +7,6 @@ from bridge.drawing.html import svg, text
 from bridge.errors import UsageError, writing
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.maps import draw_maps, draw_timing
-from bridge.report.own_signals import CAPTION as CAPTION_OF_OWN
 from bridge.report.own_signals import draw_own, own_charts
 from bridge.report.sections import (
     differences,
@@ -90,7 +89,7 @@ def _charts(runs: list[Run], names: list[str]) -> str:
     shown = [chart for chart in CHARTS if any(chart.shown(run) for run in runs)]
     drawn = [figure(draw_chart(chart, runs, names), chart.name, chart.title, chart.reads) for chart in shown]
     own = [
-        figure(draw_own(chart, runs, names), f"signals{i}", chart.title, CAPTION_OF_OWN)
+        figure(draw_own(chart, runs, names), f"signals{i}", chart.title, chart.kind.caption)
         for i, chart in enumerate(own_charts(runs), 1)
     ]
     return "".join(drawn + own)

@@ -14,6 +14,7 @@ from bridge.recording.summarise import summarise
 from bridge.recording.summary import Summary
 from bridge.recording.writer import RecordingWriter, entries_of
 from bridge.scenario import Scenario
+from bridge.scenario.channels import layout_of
 from bridge.wire.events import last_words
 from bridge.wire.messages import Ending, Outgoing
 from bridge.wire.status import PlantStatus
@@ -111,7 +112,7 @@ def _failed(plant: PlantSide, reason: str) -> list[Outgoing]:
 def _recording(scenario: Scenario, path: Path, entries: list[Entry]) -> Iterator[RecordingWriter]:
     """A recording that says why it ends where the disk has refused."""
     try:
-        writer = RecordingWriter(path, scenario.rig_name)
+        writer = RecordingWriter(path, scenario.rig_name, channels=layout_of(scenario))
     except OSError as error:
         raise RecordingError(reason(error)) from None
     try:

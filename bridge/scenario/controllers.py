@@ -49,6 +49,11 @@ class Base(Part):
         return False
 
     @property
+    def reads_channels(self) -> bool:
+        """Is the law given the further channels of the card?"""
+        return False
+
+    @property
     def follows(self) -> bool:
         """Does the reference say where the piston should be?"""
         return True
@@ -264,6 +269,10 @@ class Python(PdGains):
         return self.true_state
 
     @property
+    def reads_channels(self) -> bool:
+        return True
+
+    @property
     def needs_tachometer(self) -> bool:
         return False
 
@@ -288,6 +297,10 @@ class InC(WithOverlap):
     parameters: Annotated[dict[str, Any], AfterValidator(parameters_of), AfterValidator(only_numbers)] = Field(
         default={}, description="of the law, which gets them as numbers; a text with a unit arrives in SI"
     )
+
+    @property
+    def reads_channels(self) -> bool:
+        return True
 
     @model_validator(mode="after")
     def _one_file(self) -> "InC":

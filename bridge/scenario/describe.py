@@ -101,7 +101,7 @@ def facts(scenario: Scenario) -> list[Fact]:
     found += _supply_facts(circuit, supply_of(scenario))
     if circuit.parts.fitted.relief:
         found += _relief_facts(circuit, scenario)
-    return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario)]
+    return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario), *_channel_facts(scenario)]
 
 
 def _supply_facts(circuit: Circuit, supply: SupplyAtRest) -> list[Fact]:
@@ -129,6 +129,11 @@ def _line_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
         text = f"{speed:.0f} m/s, {travel * 1e3:.3g} ms, {z0 / 6e9:.3g} bar/(l/min)"
         found.append(Fact(f"{pipe}: wave speed, travel time, characteristic impedance", text))
     return found
+
+
+def _channel_facts(scenario: Scenario) -> list[Fact]:
+    names = ", ".join(scenario.daq.channels)
+    return [Fact("card: further channels", names)] if names else []
 
 
 def _relief_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from bridge.errors import is_hidden, nearest
-from bridge.scenario.units import UNITS, quantity, split
+from bridge.scenario.units import ABSOLUTE, UNITS, quantity, split
 
 
 class Part(BaseModel):
@@ -40,14 +40,15 @@ class Worded:
 class Measured(Worded):
     """A quantity with a unit."""
 
-    def __init__(self, unit: str) -> None:
-        self.unit = unit
-        units = ", ".join(filter(None, UNITS[unit]))
+    def __init__(self, unit: str, gauge: bool = False) -> None:
+        """gauge: a gauge pressure, which may be given as an absolute one."""
+        self.unit, self.gauge = unit, gauge
+        units = ", ".join(filter(None, (*UNITS[unit], *(ABSOLUTE if gauge else ()))))
         self.description = f"a number in {unit or 'parts of one'}, or text with a unit: {units}"
 
     def read(self, value: object) -> float:
         """In SI. Only a resistance may be infinite: there it means that nothing passes."""
-        number = quantity(value, self.unit)
+        number = quantity(value, self.unit, self.gauge)
         if math.isnan(number) or (math.isinf(number) and self.unit != "Pa s/m^3"):
             raise ValueError(f"{number} is not a finite number")
         return number
@@ -107,13 +108,22 @@ def _file_name(text: str) -> str:
     return text
 
 
+def _channel(name: str) -> str:
+    """A channel as messages name it; of a part of the rig it may be written with a dot."""
+    return name.strip().replace(".", "_")
+
+
 Line = Annotated[str, AfterValidator(_one_line)]
 FileName = Annotated[Line, AfterValidator(_file_name)]
+ChannelName = Annotated[str, AfterValidator(_channel)]
 Seconds = Annotated[float, Measured("s")]
 Metres = Annotated[float, Measured("m")]
 Speed = Annotated[float, Measured("m/s")]
+Flow = Annotated[float, Measured("m^3/s")]
+Force = Annotated[float, Measured("N")]
+Acceleration = Annotated[float, Measured("m/s^2")]
 Hertz = Annotated[float, Measured("Hz")]
-Pressure = Annotated[float, Measured("Pa")]
+Pressure = Annotated[float, Measured("Pa", gauge=True)]
 Fraction = Annotated[float, Measured("")]
 TickShare = Annotated[float, Share("ticks")]
 CommandShare = Annotated[float, Share("commands")]

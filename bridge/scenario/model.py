@@ -6,10 +6,15 @@ from pydantic import Field, create_model, model_validator
 
 from bridge.errors import ScenarioError
 from bridge.scenario.bands import parse_band
+from bridge.scenario.channels import refuse_unknown
 from bridge.scenario.controllers import Controller, Pd
 from bridge.scenario.fields import (
+    Acceleration,
+    ChannelName,
     CommandShare,
     FileName,
+    Flow,
+    Force,
     Line,
     Measured,
     Metres,
@@ -29,6 +34,7 @@ from twin.rig import RIG, Choice, Entry, values
 from twin.topology import CHANNELS
 
 SKEW = 5e-6  # [s], 2.2.2
+NOT_GAUGE = ("drop", "modulus", "young", "difference", "cracking", "hysteresis", "slope")  # in names of numbers in Pa
 
 
 class Start(Part):
@@ -73,6 +79,11 @@ class Daq(Part):
         default=12.0, ge=1.0, le=32.0, description="2.2.2; 0 to 10 V, assumed to span the valve's whole input"
     )
     quantise_output: bool = True
+    channels: list[ChannelName] = Field(default=[], description="further ones, docs/recordings.md")
+    flow_range: Flow = Field(default=100e-3 / 60.0, gt=0.0, description="of further channels, +- this, assumed")
+    force_range: Force = Field(default=20e3, gt=0.0, description="of a further channel, +- this, assumed")
+    acceleration_range: Acceleration = Field(default=100.0, gt=0.0, description="+- this, assumed")
+    lift_range: Metres = Field(default=6e-3, gt=0.0, description="of further channels, 0 to this, assumed")
 
 
 class RealTime(Part):
@@ -96,13 +107,14 @@ class Allowed(Part):
 
 
 def _rig_part(name: str, entries: dict[str, Entry]) -> Any:
-    def field(entry: Entry) -> tuple[Any, Any]:
+    def field(key: str, entry: Entry) -> tuple[Any, Any]:
         if isinstance(entry, Choice):
             return Literal[entry.options], Field(default=entry.value, description=entry.source)
-        unit: Any = Annotated[float, Measured(entry.unit)]
+        gauge = entry.unit == "Pa" and not any(word in key for word in NOT_GAUGE)
+        unit: Any = Annotated[float, Measured(entry.unit, gauge)]
         return unit, Field(default=entry.value, description=entry.source, ge=entry.low, le=entry.high)
 
-    fields: Any = {key: field(entry) for key, entry in entries.items()}
+    fields: Any = {key: field(key, entry) for key, entry in entries.items()}
     return create_model(f"Rig_{name}", __base__=Part, **fields)
 
 
@@ -163,6 +175,7 @@ class Scenario(Part):
             refuse_far(self.reference.reference(), self.duration, self.rig.cylinder.stroke)
         if self.daq.skew > (most := max(SKEW, self.loop.step / (len(CHANNELS) - 1))):
             raise ValueError(f"daq.skew {self.daq.skew:g} s: at most {most:g} s, so that a scan ends within a step")
+        refuse_unknown(self.daq.channels, self.rig_values())
         self.controller.refuse_period(self.loop.sample_period)
         if self.controller.needs_tachometer and not self.daq.tachometer:
             raise ValueError(self.controller.NO_TACHOMETER)

@@ -41,6 +41,8 @@ UNITS: dict[str, dict[str, Unit]] = {
     "": {"": Unit(1.0), "%": Unit(1e-2)},
 }
 UNITS["1/s"] = UNITS["Hz"]
+AMBIENT = 1e5  # [Pa], assumed: where gauge pressure is 0
+ABSOLUTE = {f"{name} abs": Unit(UNITS["Pa"][name].factor, -AMBIENT) for name in ("Pa", "kPa", "MPa", "bar")}
 _NUMBER = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?|inf(?:inity)?))\s*(.*?)\s*", re.IGNORECASE
 )
@@ -86,14 +88,19 @@ def split(text: str) -> tuple[float, str]:
     return float(match[1]), match[2]
 
 
-def quantity(value: object, unit: str) -> float:
-    """A plain number (SI) or a text with a unit, in SI. Raises ValueError naming the nearest valid unit."""
+def quantity(value: object, unit: str, gauge: bool = False) -> float:
+    """A plain number (SI) or a text with a unit, in SI. Raises ValueError naming the nearest valid unit.
+
+    gauge: it is a gauge pressure, which may be given as an absolute one, too.
+    """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"{value!r} is not a number{f' in {unit}' if unit else ''}")
     if not isinstance(value, str):
         return float(value)
     number, written = split(value)
-    known = UNITS[unit]
+    known = UNITS[unit] | (ABSOLUTE if gauge else {})
+    if unit == "Pa" and written in ABSOLUTE and not gauge:
+        raise ValueError(f"{value!r}: not a pressure above a vacuum or above ambient; write it without 'abs'")
     if written not in known:
         if not written and unit:
             return number

@@ -10,14 +10,13 @@ from bridge.drawing.colours import DARK
 from bridge.errors import UsageError
 from bridge.recording.changes import changes
 from bridge.recording.frames import Frames, frames
-from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Recording
 from bridge.recording.shown import GROUPS
 from bridge.recording.told import events_of
 from bridge.recording.words import run_in_words
 from bridge.scenario import Scenario
 from bridge.view import length_time
-from bridge.view.curves import CURVES, Curve, draw, own_curves, own_titles, span
+from bridge.view.curves import CURVES, Curve, chosen_in, draw, span
 from bridge.view.layout import EVENTS, RUN, layout
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
@@ -50,11 +49,11 @@ def send(stream: Any, recording: Recording, bare: bool = False) -> None:
     """Send everything to where the stream leads, and close it; `bare`: to be printed."""
     curves = draw(recording)
     shown = {drawn.curve.picture for drawn in curves}
-    own = own_units(recording)
+    own = chosen_in(recording)
     spans = {name: span(curves, name) for name in shown}
-    stream.send_blueprint(layout(shown, spans, bare=bare, own=own_titles(own)))
+    stream.send_blueprint(layout(shown, spans, bare=bare, own=own.titles))
     begin(stream, recording)
-    style(stream, own_curves(own))
+    style(stream, own.curves)
     for curve, stamps, values in curves:
         send_curve(stream, curve, stamps, values)
     send_events(stream, recording)

@@ -12,6 +12,8 @@ from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Recording
 from bridge.recording.shown import GROUPS, MEASURED, ORDER, tap_words
 from bridge.scenario.units import shown
+from bridge.wire.channels import Layout
+from bridge.wire.messages import CHANNELS_TOPIC
 from twin.topology import PRESSURES
 
 US = 1e-3  # from [ns]
@@ -112,28 +114,52 @@ CURVES = (
 )
 
 
-OWN = "own_signals"  # pictures of what a law logs begin so
+class Own(NamedTuple):
+    """Where curves come from that only some runs have."""
+
+    topic: str
+    pictures: str  # their names begin so
+    words: str  # and their titles
+    held: bool  # a value is in force until the next one
 
 
-def own_picture(unit: str) -> str:
-    """The picture of a law's signals of a unit."""
-    return "_".join([OWN, *re.findall(r"[A-Za-z0-9]+", unit)])
+OWN = Own("signals", "own_signals", "law", True)
+FURTHER = Own(CHANNELS_TOPIC, "channels", "further channels", False)
 
 
-def own_curves(units: Mapping[str, str]) -> list[Curve]:
-    """The curves of what a law logs, by name and unit: a picture for each unit."""
+def own_picture(unit: str, own: Own = OWN) -> str:
+    """The picture of such signals of a unit."""
+    return "_".join([own.pictures, *re.findall(r"[A-Za-z0-9]+", unit)])
+
+
+def own_curves(units: Mapping[str, str], own: Own = OWN) -> list[Curve]:
+    """The curves of such signals, by name and unit: a picture for each unit."""
     curves: list[Curve] = []
     for name, unit in units.items():
-        picture, scale = own_picture(unit), shown(unit)[0]
+        picture, scale = own_picture(unit, own), shown(unit)[0]
         before = sum(curve.picture == picture for curve in curves)
         colour = DARK[ORDER[before % len(ORDER)]]
-        curves.append(Curve(picture, name, name, "signals", name, scale, colour, 1.5, held=True))
+        curves.append(Curve(picture, name, name, own.topic, name, scale, colour, 1.5, held=own.held))
     return curves
 
 
-def own_titles(units: Mapping[str, str]) -> dict[str, str]:
+def own_titles(units: Mapping[str, str], own: Own = OWN) -> dict[str, str]:
     """The titles of those pictures."""
-    return {own_picture(unit): f"law [{shown(unit)[1]}]".replace(" []", "") for unit in units.values()}
+    return {own_picture(unit, own): f"{own.words} [{shown(unit)[1]}]".replace(" []", "") for unit in units.values()}
+
+
+class Chosen(NamedTuple):
+    """The curves that a recording has of its own, and the titles of their pictures."""
+
+    curves: list[Curve]
+    titles: dict[str, str]
+
+
+def chosen(layout: Layout, logged: Mapping[str, str]) -> Chosen:
+    """Those of further channels, and of what a law logs, by name and unit."""
+    units = {field.name: field.unit for field in layout}
+    curves = [*own_curves(units, FURTHER), *own_curves(logged)]
+    return Chosen(curves, own_titles(units, FURTHER) | own_titles(logged))
 
 
 def samples(curve: Curve, columns: dict[str, NDArray]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -151,9 +177,14 @@ class Drawn(NamedTuple):
     values: NDArray[np.float64]  # in the picture's unit
 
 
+def chosen_in(recording: Recording) -> Chosen:
+    """What a recording has of its own."""
+    return chosen(recording.layout(), own_units(recording))
+
+
 def draw(recording: Recording) -> list[Drawn]:
     """The curves that have something to show."""
-    curves = [*CURVES, *own_curves(own_units(recording))]
+    curves = [*CURVES, *chosen_in(recording).curves]
     columns = {topic: recording.columns(topic) for topic in {curve.topic for curve in curves}}
     filled = [Drawn(curve, *samples(curve, columns[curve.topic])) for curve in curves]
     return [drawn for drawn in filled if len(drawn.stamps)]

@@ -9,9 +9,10 @@ import numpy as np
 from bridge.recording.frames import Frames, frames
 from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Entry, Recording, recording
+from bridge.scenario.channels import layout_of
 from bridge.view import length_time
 from bridge.view.content import begin, scene_of, send_curve, send_events, style
-from bridge.view.curves import CURVES, LIVE, Curve, own_curves, own_titles, samples
+from bridge.view.curves import CURVES, LIVE, chosen, samples
 from bridge.view.inbox import WATCHED
 from bridge.view.layout import layout
 from bridge.view.rig.motion import move
@@ -34,19 +35,21 @@ class Drawing:
         self.over = False  # the plant has said that the run has ended
         self._head = recording(Path("live"), [], {"run": manifest})
         scenario = self._head.scenario()
+        self._layout = layout_of(scenario)
         self._scene = scene_of(scenario)
         self._profiles: deque[Any] = deque(maxlen=max(2, round(SPAN / scenario.loop.viewer_period)))
         self._states: list[Entry] = []
         self._drawn = -REDRAWN
-        self._own: list[Curve] = []  # of what the law logs, once it has
+        self._logs = False  # has the law logged anything?
+        self._own = chosen(self._layout, {})
         self._bare = bare
         topics = {*WATCHED} if manifest["mode"] == Mode.REALTIME else {*WATCHED} - {"timing"}
         self._pictures = {curve.picture for curve in CURVES if curve.topic in topics}
         self._begin()
 
     def _begin(self) -> None:
-        self.stream.send_blueprint(layout(self._pictures, LIVE, follow=SPAN, bare=self._bare))
         begin(self.stream, self._head)
+        self._make_room()
         stand(self.stream, self._scene)
         for pipe, described in enumerate(self._scene.pipes):
             ends = LINE_ENDS[pipe]
@@ -54,16 +57,17 @@ class Drawing:
 
     def add(self, entries: list[Entry]) -> None:
         """Draw a batch."""
-        batch = recording(self._head.path, entries, {})
+        batch = recording(self._head.path, entries, self._head.metadata)
         self._draw_curves(batch)
         send_events(self.stream, batch)
         self.over = self.over or any(event.kind == EventKind.ENDED for event in batch.messages("event"))
         self._draw_rig(entries)
 
     def _draw_curves(self, batch: Recording) -> None:
-        if batch.counts.get("signals") and not self._own:
-            self._begin_own(own_units(batch))
-        curves = [*CURVES, *self._own]
+        if batch.counts.get("signals") and not self._logs:
+            self._logs, self._own = True, chosen(self._layout, own_units(batch))
+            self._make_room()
+        curves = [*CURVES, *self._own.curves]
         columns = {topic: batch.columns(topic) for topic in {curve.topic for curve in curves} & set(batch.counts)}
         for curve in curves:
             if curve.field in columns.get(curve.topic, ()):
@@ -73,11 +77,10 @@ class Drawing:
         if "state" in columns:
             self.seconds = float(columns["state"]["stamp"][-1]) / NS
 
-    def _begin_own(self, units: dict[str, str]) -> None:
-        """Make room for what the law logs: the first of its messages says what that is."""
-        self._own, titles = own_curves(units), own_titles(units)
-        style(self.stream, self._own)
-        shown = self._pictures | set(titles)
+    def _make_room(self) -> None:
+        """Lay the pictures out; of what the law logs the first of its messages says what there is."""
+        style(self.stream, self._own.curves)
+        shown, titles = self._pictures | set(self._own.titles), self._own.titles
         self.stream.send_blueprint(layout(shown, LIVE, follow=SPAN, bare=self._bare, own=titles))
 
     def _draw_rig(self, entries: list[Entry]) -> None:

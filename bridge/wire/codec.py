@@ -7,13 +7,22 @@ import struct
 from collections.abc import Callable
 from functools import cache
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 from rosbags.serde import SerdeError
 from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
 
-from bridge.wire.messages import PACKAGE, TEXTS, TOPICS, field_names, flat_size, struct_format
+from bridge.wire.channels import Layout, text_of
+from bridge.wire.messages import (
+    PACKAGE,
+    TEXTS,
+    TOPICS,
+    VARYING,
+    field_names,
+    flat_size,
+    struct_format,
+)
 
 EMPTY = "uint8 structure_needs_at_least_one_member"  # what ROS 2 sends of a message without fields
 
@@ -55,6 +64,19 @@ Header: Any = STORE.types["std_msgs/msg/Header"]
 Time: Any = STORE.types["builtin_interfaces/msg/Time"]
 
 
+class Channels(NamedTuple):
+    """A message of further channels; which they are the scenario says."""
+
+    run_id: int
+    sequence: int
+    tick: int
+    stamp: int
+    values: tuple[float, ...]
+    __msgtype__ = VARYING
+
+
+CHANNELS_HEAD = struct.Struct(struct_format(VARYING) or "")
+
 HEADER = b"\x00\x01\x00\x00"  # of CDR, little endian
 
 
@@ -68,6 +90,8 @@ def _flat(kind: str) -> tuple[struct.Struct, Callable[[Any], tuple[Any, ...]]] |
 def encode(message: Any) -> bytes:
     """CDR, little endian, with its 4-byte header. A flat message is its `struct`: five times quicker."""
     kind = message.__msgtype__
+    if kind == VARYING:
+        return struct.pack(f"<4sQQQq{len(message.values)}d", HEADER, *message[:-1], *message.values)
     flat = _flat(kind)
     if flat is None:
         return bytes(STORE.serialize_cdr(message, kind))
@@ -78,6 +102,8 @@ def encode(message: Any) -> bytes:
 def decode(payload: bytes, topic: str) -> Any:
     """The message that a payload on a topic holds. Raises ValueError when it is not one."""
     kind = TOPICS[topic].type
+    if kind == VARYING:
+        return _channels(payload)
     size = flat_size(kind)
     if size is not None and len(payload) != size:
         raise ValueError(f"not a {kind}: {len(payload)} bytes, expected {size}")
@@ -88,6 +114,21 @@ def decode(payload: bytes, topic: str) -> Any:
     if topic == "signals" and not len(message.names) == len(message.units) == len(message.values):
         raise ValueError(f"not a {kind}: its lists of names, units and values differ in length")
     return message
+
+
+def _channels(payload: bytes) -> Channels:
+    number, rest = divmod(len(payload) - CHANNELS_HEAD.size, 8)
+    if number < 1 or rest:
+        raise ValueError(f"not a {VARYING}: {len(payload)} bytes, expected {CHANNELS_HEAD.size} and 8 per channel")
+    run_id, sequence, tick, stamp = CHANNELS_HEAD.unpack_from(payload)
+    return Channels(run_id, sequence, tick, stamp, struct.unpack_from(f"<{number}d", payload, CHANNELS_HEAD.size))
+
+
+def channels_hash(layout: Layout) -> str:
+    """The ROS 2 hash of a run's message of further channels."""
+    store = Typestore()
+    store.register(get_types_from_msg(text_of(layout), VARYING))
+    return store.hash_rihs01(VARYING)
 
 
 def type_hash(kind: str) -> str:

@@ -27,6 +27,9 @@ prints the header of a law in C). A controller of your own, in any language that
     measurement) and step (of the simulation). Whoever starts later than the plant finds it the same way.
     scenario.reference is what the run is to follow: kind "constant" holds value [m]; "step" goes from start to end [m]
     at the time `at` [s]; other kinds (square, ramp, sine, chirp, table) are in `hydrotwin schema`.
+    scenario.daq.channels names further channels of the card, in the order of their numbers on <rig>/channels, which
+    comes just before the measurement of the same sequence; without any there is no such message. `hydrotwin messages
+    --scenario X` prints its layout and all that a channel may read.
     position runs from 0, lowest, to scenario.rig.cylinder.stroke. A spool of 1 is scenario.rig.valve.full_scale volts:
     a gain of K V/% is spool = K * 100 * error / stroke / full_scale. The lands overlap by scenario.rig.valve.overlap,
     a share of the spool's travel: so much does nothing, and the plant does not compensate for it.

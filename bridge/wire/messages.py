@@ -136,6 +136,15 @@ int64 stamp       # [ns] of the measurement, of a command the sample it answers
 }
 
 OTHER_MESSAGES: dict[str, str] = {
+    "Channels": """\
+# Further channels of the card, sampled at the stamp of the measurement with the same sequence.
+# Then a float64 for each of the scenario's daq.channels, in their order.
+# `hydrotwin messages --scenario X` prints the whole.
+uint64 run_id
+uint64 sequence
+uint64 tick
+int64 stamp       # [ns]
+""",
     "Event": """\
 # Something worth knowing about a run.
 uint64 run_id
@@ -216,6 +225,8 @@ def _own(name: str) -> str:
 
 
 TEXTS = {_own(name): text for name, text in (LOOP_MESSAGES | OTHER_MESSAGES).items()} | STANDARD_MESSAGES
+CHANNELS_TOPIC = "channels"
+VARYING = _own("Channels")  # the type whose fields follow from the scenario
 RULE = "=" * 80  # between the types of a schema
 
 
@@ -228,6 +239,7 @@ TOPICS: dict[str, Topic] = {
     topic.name: topic
     for topic in (
         Topic("measurement", _own("Measurement"), "plant", "DAQ period", True, True),
+        Topic(CHANNELS_TOPIC, _own("Channels"), "plant", "DAQ period, with daq.channels", True, True),
         Topic("command", _own("ValveCommand"), "controller", "sample period", True, True),
         Topic("reference", _own("Reference"), "controller", "sample period", True, False),
         Topic("signals", _own("Signals"), "controller", "sample period, of a law that logs any", True, False),
@@ -320,8 +332,8 @@ def struct_format(kind: str) -> str | None:
 
 
 def flat_size(kind: str) -> int | None:
-    """Bytes of a flat message, header included; None for others."""
-    layout = struct_format(kind)
+    """Bytes of a flat message, header included; None for others, and where it depends on the scenario."""
+    layout = None if kind == VARYING else struct_format(kind)
     return None if layout is None else 4 + 8 * (len(layout) - 3)
 
 
@@ -330,6 +342,6 @@ def field_names(kind: str) -> list[str]:
     return [field.name for field in fields_of(kind)]
 
 
+OF_SOME_RUNS = (CHANNELS_TOPIC, "signals", "said")  # topics that most runs do not have, nor their recordings
 SOURCED = ("command", "reference", "signals", "said")  # topics on which several sources may speak
-OF_SOME_LAWS = ("signals", "said")  # of them those that most runs do not have, nor their recordings
 TOLD = ("event", "said")  # topics of events

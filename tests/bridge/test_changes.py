@@ -137,7 +137,7 @@ def test_random_timelines_keep_the_oil_and_come_out_again(entries: list[str]):
 def assert_comes_out_again(run: Recording, scenario: Scenario) -> None:
     """Replayed into plant and controller: the same bytes."""
     recorded = {(e.topic, e.log_time): e.data for e in run.entries}
-    replays = through_plant(run, scenario), through_side(heard(run, scenario.loop.grid()), sides(scenario)[1])
+    replays = through_plant(run, scenario), through_side(heard(run, scenario), sides(scenario)[1])
     for replay, topics in zip(replays, (("measurement", "state"), ("command", "reference")), strict=True):
         found = [entry for messages in replay for entry in entries_of(messages) if entry.topic in topics]
         assert sum(entry.topic == topics[0] for entry in found) == run.counts[topics[0]]

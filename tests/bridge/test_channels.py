@@ -29,7 +29,7 @@ def test_channels_are_the_readings_of_a_measurement_in_order():
     assert field_names(TOPICS["measurement"].type) == [*head, *CHANNELS]
     assert Measurement(**dict.fromkeys((*head, *CHANNELS), 0)).stamp == 0
     assert {f"pressure/{tap}" for tap in PRESSURES} == {topic for topic in TOPICS if topic.startswith("pressure/")}
-    assert set(Sample._fields) <= {"stamp_ns", *CHANNELS}
+    assert set(Sample._fields) <= {"stamp_ns", *CHANNELS, "channels"}
 
 
 def test_a_card_has_the_ranges_of_the_scenario():

@@ -30,7 +30,7 @@ from bridge.report.subject import load_run
 from bridge.runs.check import judge_run
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
-from bridge.wire.messages import OF_SOME_LAWS, TOPICS
+from bridge.wire.messages import OF_SOME_RUNS, TOPICS
 from tests.support.command import hydrotwin_here
 from tests.support.processes import UNDRAWN, hydrotwin, run_recorded
 
@@ -191,7 +191,7 @@ def test_lockstep_records_and_says_the_same(inprocess: Recording, folder: Path):
 
 def test_a_run_whose_law_logs_nothing_knows_no_such_channel(tmp_path: Path):
     recorded = record_in_process(load("step", ["duration=0.02"]), tmp_path / "a.mcap")
-    assert not set(OF_SOME_LAWS) & set(read(recorded.path).channels)
+    assert not set(OF_SOME_RUNS) & set(read(recorded.path).channels)
 
 
 def test_a_file_that_was_cut_off_keeps_them(inprocess: Recording, tmp_path: Path):

@@ -236,3 +236,17 @@ def test_a_suggestion_is_like_what_was_written():
     assert nearest("durations", ["duration", "seed"]) == "; did you mean 'duration'? (valid: duration, seed)"
     assert nearest("disturbance", ["duration", "seed"]) == " (valid: duration, seed)"
     assert nearest("kp", ["gain", "compensate_overlap"], "or 1/m") == " (valid: gain, compensate_overlap, or 1/m)"
+
+
+def test_gauge_pressures_may_be_given_as_absolute_ones():
+    """1 bar of ambient, assumed; a drop or a modulus is a difference, and not above a vacuum."""
+    changes = ["start.p_upper=3 bar abs", "rig.relief.setting=6800 kPa abs", "rig.oil.vapour_pressure=0 Pa abs"]
+    found = load("step", changes)
+    assert (found.start.p_upper, found.rig.relief.setting) == pytest.approx((2e5, 67e5))
+    assert found.rig.oil.vapour_pressure == -1e5
+    for name in ("valve.rated_drop", "filter.drop", "pipe_1.young"):
+        with pytest.raises(ScenarioError, match="write it without 'abs'") as refused:
+            load("step", [f"rig.{name}=10 bar abs"])
+        assert "\n" not in str(refused.value)
+    with pytest.raises(ScenarioError, match=r"start.p_upper: -50000.0 must be at least 0.0"):
+        load("step", ["start.p_upper=0.5 bar abs"])

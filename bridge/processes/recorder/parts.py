@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.recording.writer import RecordingWriter
+from bridge.wire.channels import Layout
 
 
 class Keeping(NamedTuple):
@@ -19,7 +20,10 @@ class Keeping(NamedTuple):
 class Parts:
     """Writes to `path`, then to `path` with -part2 and so on."""
 
-    def __init__(self, path: Path, rig_name: str, head: Mapping[str, Mapping[str, Any]], keeping: Keeping) -> None:
+    def __init__(
+        self, path: Path, rig_name: str, head: Mapping[str, Mapping[str, Any]], keeping: Keeping, channels: Layout
+    ) -> None:
+        """head: facts for each file; channels: the further ones of the run."""
         self.paths: list[Path] = []
         self.writer: RecordingWriter | None = None
         self.longest = 0.0  # seconds that a flush took
@@ -27,6 +31,7 @@ class Parts:
         self._rig_name = rig_name
         self._head = head
         self._keeping = keeping
+        self._layout = channels
 
     def open(self) -> RecordingWriter:
         """The file now written to, opened if there is none."""
@@ -34,7 +39,8 @@ class Parts:
             number = len(self.paths) + 1
             path = self._path if number == 1 else self._path.with_stem(f"{self._path.stem}-part{number}")
             self.paths.append(path)
-            self.writer = RecordingWriter(path, self._rig_name, self._keeping.topics, self._keeping.fsync)
+            topics, fsync = self._keeping.topics, self._keeping.fsync
+            self.writer = RecordingWriter(path, self._rig_name, topics, fsync, self._layout)
             for name, values in self._head.items():
                 self.writer.metadata(name, values)
             if number > 1:

@@ -17,8 +17,9 @@ from bridge.recording.summarise import NEEDED, summarise
 from bridge.recording.tally import Tally
 from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
+from bridge.scenario.channels import layout_of
 from bridge.wire.codec import decode
-from bridge.wire.messages import GOING, SOURCED, TOLD, TOPICS, EventKind, Mode
+from bridge.wire.messages import CHANNELS_TOPIC, GOING, SOURCED, TOLD, TOPICS, EventKind, Mode
 from bridge.wire.status import PUBLISHED, counts, numbers_of
 from controller.grid import NS
 
@@ -71,7 +72,8 @@ class RunFile:
         self._order = Order(self.scenario.loop.grid())
         self._ring = Ring(request.window) if request.window else None
         head = {"run": manifest | {"recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z")}}
-        self._parts = Parts(path, self.scenario.rig_name, head | _own(request), request.keeping)
+        self._layout = layout_of(self.scenario)
+        self._parts = Parts(path, self.scenario.rig_name, head | _own(request), request.keeping, self._layout)
         if self._ring is None:
             self._parts.open()
 
@@ -191,6 +193,8 @@ class RunFile:
 
     def _place(self, arrival: Arrival, message: Any) -> tuple[int, int]:
         """Log time and sequence; a controller's come from its message itself, so that any can be recorded."""
+        if arrival.topic == CHANNELS_TOPIC and len(message.values) != len(self._layout):
+            raise ValueError("not the channels of this run")
         if arrival.topic in SOURCED:
             stamp = message.sample_stamp if arrival.topic == "command" else message.stamp
             if message.run_id != self.run_id or not 0 <= stamp <= self.stamp + AHEAD:

@@ -5,6 +5,7 @@ any other mode, bit for bit; but the plant is asked for no more than the samplin
 """
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +13,14 @@ from numpy.typing import NDArray
 
 from bridge.loop.acquisition import Acquisition
 from bridge.loop.controller import ControllerSide, sample_of
+from bridge.loop.further import further_channels
 from bridge.loop.inlet import SAFE
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.studies.stability.sampled_law import scaled
 from controller.grid import NS, Sampling, is_sample
 from controller.hold import Hold
+from controller.law import NO_CHANNELS
 from twin.circuit.block import Compiled, block_of, compiled
 from twin.sensors import put_out
 from twin.topology import CHANNELS, OBSERVED
@@ -83,6 +86,7 @@ class _Loop:
         self.state, self.acquisition = on.rest.copy(), Acquisition(scenario)
         self.seen = np.zeros(len(OBSERVED))
         self.controller, self.hold = ControllerSide(scenario, 1), Hold(SAFE)
+        self.further = further_channels(scenario, on.circuit) if self.controller.reads_channels else None
         self._advance(SAFE, 0)
         self.acquisition.taps[0] = self.acquisition.taps[1]
 
@@ -91,8 +95,13 @@ class _Loop:
         if not is_sample(now, self.grid):
             return
         reading = dict(zip(CHANNELS, self.acquisition.read(tick).tolist(), strict=True))
-        spool, _ = self.controller.decide(sample_of(now, reading))
+        spool, _ = self.controller.decide(sample_of(now, reading, self._further(tick)))
         self.hold.put(now + self.grid.delay, spool)
+
+    def _further(self, tick: int) -> Mapping[str, float]:
+        if self.further is None:
+            return NO_CHANNELS
+        return self.controller.named(self.further.read(tick, self.state, self.seen, self.acquisition.taps).tolist())
 
     def run(self, begin: int, end: int) -> None:
         """The plant from one row to the next."""

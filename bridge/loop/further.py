@@ -1,0 +1,43 @@
+"""The further channels of a run's card: sampled at the stamp of each measurement, in a message of their own."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge.scenario import Scenario
+from bridge.scenario.channels import chosen
+from bridge.wire.codec import Channels
+from bridge.wire.messages import CHANNELS_TOPIC, Outgoing
+from twin.circuit.block import Compiled
+from twin.circuit.sensing import Sensing
+from twin.sensors import NOISE_ROWS, convert_all, inputs_of, own_noise_block
+
+Array = NDArray[np.float64]
+
+
+class FurtherChannels:
+    """Those of one run. Without any none are made: `further_channels`."""
+
+    def __init__(self, scenario: Scenario, plant: Compiled) -> None:
+        sensors = chosen(scenario)
+        self._names = tuple(sensors)
+        self._seed = scenario.seed
+        self._sensing = Sensing(self._names, plant)
+        self._inputs = inputs_of(scenario.daq, sensors)
+        self._number, self._noise = 0, own_noise_block(scenario.seed, 0, self._names)
+
+    def read(self, tick: int, state: Array, seen: Array, taps: Array) -> Array:
+        """What the card reads of a plant at a tick; taps: what its own channels touch, a step before and now."""
+        number, row = divmod(tick, NOISE_ROWS)
+        if number != self._number:
+            self._number, self._noise = number, own_noise_block(self._seed, number, self._names)
+        return convert_all(self._sensing.read(state, seen, taps), self._noise[row], self._inputs)
+
+
+def further_channels(scenario: Scenario, plant: Compiled) -> FurtherChannels | None:
+    """The further channels of a scenario; None where it has chosen none."""
+    return FurtherChannels(scenario, plant) if scenario.daq.channels else None
+
+
+def message(run_id: int, sequence: int, tick: int, stamp: int, readings: Array) -> Outgoing:
+    """The message of one scan."""
+    return Outgoing(CHANNELS_TOPIC, stamp, sequence, Channels(run_id, sequence, tick, stamp, tuple(readings.tolist())))
