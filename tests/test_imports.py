@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 COMPONENTS = (
     *("air", "oil", "iso_vg", "orifice", "port", "contact", "fitting", "seal", "load", "pump", "cylinder", "lands"),
-    *("spool_valve", "switching_valve", "sensors", "amplifier", "minor_losses"),
+    *("spool_valve", "switching_valve", "directional_valve", "supply", "sensors", "amplifier", "minor_losses"),
     *("neck", "valve_body", "accessory", "counterbalance", "pilot_check", "throttle", "cushion"),
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too

@@ -79,6 +79,7 @@ RIG: dict[str, dict[str, Entry]] = {
     },
     "relief": {
         "kind": Choice("two-stage", ("two-stage", "none"), "2.4; none: the tee has no valve"),
+        "place": Choice("tee", ("tee", "pipe_7"), "2.2.1; pipe_7: at the end of a line of its own"),
         "setting": Number(67e5, "Pa", "2.6; the pilot spring is precompressed for it", TINY),
         "setting_flow": Number(26.7e-3 / 60.0, "m^3/s", "2.6, the flow it was set at: all of the pump's", TINY),
         "orifice_diameter": Number(0.6e-3, "m", "2.4, orifices 1 and 3", TINY),
@@ -201,9 +202,10 @@ RIG: dict[str, dict[str, Entry]] = {
     "pipe_4": _pipe(2.1, hose=True),
     "pipe_5": _pipe(2.05, hose=False),
     "pipe_6": _pipe(1.4, hose=True),
+    "pipe_7": _pipe(1.0, hose=False),
 }
 
-PIPES_BUILT = [f"pipe_{i}.{name}" for i in range(1, 7) for name in ("length", "diameter", "wall", "young")]
+PIPES_BUILT = [f"pipe_{i}.{name}" for i in range(1, 8) for name in ("length", "diameter", "wall", "young")]
 BUILT_IN = {  # numbers that stay while the rig runs: why
     **dict.fromkeys(("oil.density", "oil.vapour_pressure"), "the oil in the circuit is counted by it"),
     **dict.fromkeys(("load.added", "load.added_at", "load.contact_time"), "change load.mass or load.force instead"),

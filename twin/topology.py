@@ -76,8 +76,11 @@ PIPES = {  # by their part of the rig
     "pipe_6": Pipe("return", TANK),
 }
 LINES = len(PIPES)
+RELIEF_LINE = "pipe_7"  # from the tee to the relief valve, where it has a line of its own; recordings leave it out
 POINTS = 11  # along each line, from its first end (behind a fitting) to its second
 ENDS = tuple(place for pipe in PIPES.values() for place in pipe)  # line i has ends 2 i and 2 i + 1, from 0
+RELIEF_END = len(ENDS)  # the tee's end of the relief valve's own line; the valve's end follows
+END_COUNT = len(ENDS) + 2  # with those of that line
 END_OF = {place: ENDS.index(place) for place in PLACES}  # the end that has the pressure of a place
 FLOWS = tuple(f"flow_{line}" for line in range(1, LINES + 1))
 HOLLOWS = (*CHAMBERS, *PORTS, *(f"line_{line}" for line in range(1, LINES + 1)))  # inside a line: model `nodes` only
@@ -101,6 +104,22 @@ OBSERVED = {  # name: SI unit
     **{cavity(place): "m^3" for place in (*PORTS, "lines")},
     **dict.fromkeys(("oil_stored", "oil_pumped", "oil_relieved", "oil_returned"), "m^3"),
 }
+SLOTS = (  # of the circuit whose kinds may keep numbers of their own
+    "supply",
+    "accumulator",
+    "fittings",
+    "relief",
+    "return_end",
+    "valve",
+    "accessory_a",
+    "accessory_b",
+    "cushion",
+    "actuator",
+    "friction",
+    "load",
+)
+SLOT = 12  # numbers that the kind in a slot may keep
+
 BALANCE_UNITS = {"force_balance": "Pa", "speed_balance": "m/s", "sink_balance": "m/s"}
 
 CAVITIES = tuple(name for name in OBSERVED if name.startswith(cavity("")))

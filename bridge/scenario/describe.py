@@ -13,6 +13,7 @@ from twin.circuit.equilibrium import SupplyAtRest
 from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.step import Circuit
 from twin.relief.poppet import cracking_pressure
+from twin.relief.valve import Relief
 from twin.rig import RIG, Choice, Entry
 from twin.topology import PIPES
 
@@ -99,13 +100,13 @@ def facts(scenario: Scenario) -> list[Fact]:
     oil = circuit.parts.oil
     found = [Fact("oil: viscosity, bulk modulus", f"{oil.viscosity * 1e6:.4g} mm^2/s, {oil.bulk_modulus:.4g} Pa")]
     found += _supply_facts(circuit, supply_of(scenario))
-    if circuit.parts.fitted.relief:
+    if isinstance(circuit.parts.relief, Relief):
         found += _relief_facts(circuit, scenario)
     return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario), *_channel_facts(scenario)]
 
 
 def _supply_facts(circuit: Circuit, supply: SupplyAtRest) -> list[Fact]:
-    pump = circuit.parts.pump
+    pump = circuit.parts.supply
     teeth = [Fact("pump: frequency of the teeth", f"{pump.tooth_frequency:.4g} Hz")] if pump.ripple > 0.0 else []
     at_rest = f"p1 = {supply.tee / 1e5:.4g} bar, {supply.relieved * 6e4:.4g} l/min over the relief valve"
     return [

@@ -137,6 +137,6 @@ def test_the_pump_runs_up_to_the_setting_of_the_relief_valve(ran):
     assert r.seen["p1"][0] == 0.0
     assert r.mean("p1", 0.6, 1.0) == pytest.approx(67 * BAR, rel=0.02)
     assert r.mean("flow_relief", 0.6, 1.0) == pytest.approx(r.mean("flow_pump", 0.6, 1.0), rel=0.01)
-    pump = r.circuit.parts.pump
+    pump = r.circuit.parts.supply
     leaked = pump.leakage * r.mean("p_pump", 0.0, 0.3) * 0.3
     assert np.interp(0.3, r.time, r.seen["oil_pumped"]) == pytest.approx(0.5 * 0.3 * pump.delivery - leaked, rel=0.02)

@@ -40,7 +40,7 @@ def test_piston_rises_with_the_oil_of_the_pump(mass: float, leak: float):
     c = circuit(pump=SMOOTH, seal=FRICTIONLESS, cylinder={"leakage_resistance": leak}, load={"mass": mass})
     end = rising(c)
     p = pressures(end)
-    oil = pump_flow(p.pump, 1.0, c.parts.pump) - (p.lower - p.upper) / leak
+    oil = pump_flow(p.pump, 1.0, c.parts.supply) - (p.lower - p.upper) / leak
     assert end.core.relief.flow == 0.0
     assert end.piston.velocity == pytest.approx(oil / c.parts.cylinder.area_lower, rel=1e-3)
 

@@ -52,7 +52,9 @@ def test_relief_valve_carries_what_the_pump_gives(speed: float, efficiency: floa
     c = circuit(pump={"speed": speed, "efficiency": efficiency})
     pump, tee, relieved, idle = supply_at_rest(c)
     assert relieved == pytest.approx(steady_flow(tee, c.parts.relief), rel=1e-12)
-    assert relieved + idle == pytest.approx(pumped_oil(pump, 1.0, c.parts.pump, c.parts.oil.bulk_modulus)[0], abs=1e-12)
+    assert relieved + idle == pytest.approx(
+        pumped_oil(pump, 1.0, c.parts.supply, c.parts.oil.bulk_modulus)[0], abs=1e-12
+    )
 
 
 def test_through_a_tandem_centre_the_pump_idles_to_the_tank():

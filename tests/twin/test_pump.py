@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.support.plant import BAR, circuit
 from twin.pump import displacement, pump_flow, pumped_oil, ripple_flow, ripple_volume, speed_ratio, teeth_passed
 
-PUMP = circuit().parts.pump
+PUMP = circuit().parts.supply
 GEAR = (63e-3, 2.6e-3, 9.0, math.radians(20.0))
 OMEGA = 2.0 * math.pi * 1230.0 / 60.0
 

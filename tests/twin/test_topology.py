@@ -6,7 +6,7 @@ from twin.circuit.block import HELD, observed
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import CORE, Flows, Pressures, flatten
 from twin.rig import RIG
-from twin.topology import CHANNELS, END_OF, ENDS, FLOWS, OBSERVED, PIPES, PLACES, TANK
+from twin.topology import CHANNELS, END_OF, ENDS, FLOWS, OBSERVED, PIPES, PLACES, RELIEF_LINE, TANK
 
 NAMED = {  # pipe: the names that `step` has for its two ends
     "pipe_1": (step.PUMP, step.TEE_1),
@@ -20,7 +20,7 @@ NAMED = {  # pipe: the names that `step` has for its two ends
 
 def test_the_equations_name_the_ends_in_the_order_of_the_pipes():
     assert [end for ends in NAMED.values() for end in ends] == list(range(len(ENDS)))
-    assert list(NAMED) == list(PIPES)
+    assert list(NAMED) == [*PIPES, RELIEF_LINE]
     places = {"pump": step.PUMP, "tee": step.TEE_1, "p": step.P, "a": step.A, "lower": step.LOWER}
     places |= {"upper": step.UPPER, "b": step.B, "t": step.T, "return": step.BACK_5}
     assert places == END_OF
@@ -35,7 +35,7 @@ def test_vectors_of_places_and_pipes_have_their_order():
 
 
 def test_every_pipe_is_of_the_rig_and_joins_known_places():
-    assert [name for name in RIG if name.startswith("pipe_")] == list(PIPES)
+    assert [name for name in RIG if name.startswith("pipe_")] == [*PIPES, RELIEF_LINE]
     assert {place for pipe in PIPES.values() for place in pipe} == {*PLACES, TANK}
 
 

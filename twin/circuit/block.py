@@ -16,11 +16,13 @@ from twin.circuit.state import (
     ENDS_AT,
     MEMORY_AT,
     SIGNALS_AT,
+    SLOTS_AT,
     State,
     ends_of,
     flatten,
     load,
     place_of,
+    slots_of,
     store,
     unflatten,
 )
@@ -29,14 +31,14 @@ from twin.cylinder import chamber_cavities
 from twin.kernel import INTERPRETED, entry, field_names, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
 from twin.load import carried_mass
-from twin.topology import CHAMBERS, CHANNELS, END_OF, ENDS, FLOWS, LINES, OBSERVED, PLACES, PORTS, TAPS, cavity
+from twin.topology import CHAMBERS, CHANNELS, END_COUNT, END_OF, FLOWS, LINES, OBSERVED, PLACES, PORTS, TAPS, cavity
 
 HELD = {  # observed quantities that a flat state holds, and where
     "position": place_of("piston.position"),
     "velocity": place_of("piston.velocity"),
     "spool": place_of("spool.position"),
     **{place.pressure: ENDS_AT + END_OF[name] for name, place in PLACES.items()},
-    "flow_pump": ENDS_AT + len(ENDS) + PUMP,
+    "flow_pump": ENDS_AT + END_COUNT + PUMP,
     "flow_relief": place_of("relief.flow"),
     "relief_pilot": place_of("relief.state.pilot_lift"),
     "relief_spool": place_of("relief.state.spool_lift"),
@@ -139,7 +141,7 @@ def block_of(plant: Compiled) -> Block:
 def _run_block(parts, whole, numbers, state, reference: float, steps: int, taps, seen) -> None:
     """As `block_of` says; parts, whole, numbers: of `Compiled`."""
     c, lines, s, ends, memory = parts[0], unpacked(whole, numbers), load(state), ends_of(state), state[MEMORY_AT:]
-    signals = state[SIGNALS_AT:MEMORY_AT]
+    signals, slots = state[SIGNALS_AT:SLOTS_AT], slots_of(state)
     for i in range(steps):
         if i == steps - 1:
             store(s, state)
@@ -148,7 +150,7 @@ def _run_block(parts, whole, numbers, state, reference: float, steps: int, taps,
             else:
                 observe(state, s, ends, memory, c, lines, seen)
             _tap(seen, signals, c, taps[0])
-        s = step_once(s, reference, c, lines, ends, memory)
+        s = step_once(s, reference, c, lines, ends, slots, memory)
         amplify(c.amplifiers, s.piston.position, ends.pressure, TAP_ENDS, signals)
     store(s, state)
     observe(state, s, ends, memory, c, lines, seen)
@@ -179,13 +181,14 @@ def observe(state, s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> N
     inner, total = 0.0, s.chambers.lower + s.chambers.upper + c.line_volume
     for line in range(LINES):
         out[FLOWS_SEEN[line]] = 0.5 * (ends.flow[2 * line] - ends.flow[2 * line + 1])
+    for line in range(len(lines.model)):
         inner += inner_cavity(lines, memory, line)
         total += ends.oil[line]
     out[MASS], out[FRICTION] = carried_mass(s.weight, c.load), seal_force(s, ends, c)
     for i in range(len(PORT_ENDS)):
         out[PORTS_SEEN[i]] = ends.cavity[PORT_ENDS[i]]
     out[CAVITY_TEE] += ends.cavity[TEE_2]
-    for end in range(2 * LINES):
+    for end in range(END_COUNT):
         total -= ends.cavity[end]
     out[CAVITY_LINES], out[OIL_STORED] = inner, total
 

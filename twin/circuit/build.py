@@ -7,9 +7,10 @@ from typing import Any
 
 from twin.amplifier import Amplifiers, Direct, lag
 from twin.circuit.limits import refuse_coarse_step
-from twin.circuit.step import Circuit, Fitted, Parts
+from twin.circuit.step import AtTee, Circuit, OwnLine, Parts
 from twin.contact import Stops
 from twin.cylinder import Cylinder
+from twin.directional_valve import Valve
 from twin.fitting import Fitting
 from twin.lines.bank import Bank, LineSpec, bank_of
 from twin.load import Load, buffer_stiffness
@@ -17,13 +18,14 @@ from twin.minor_losses import Losses, MinorLosses, NoLosses, loss_per_flow_squar
 from twin.oil import Oil, effective_modulus, fluid_modulus, kinematic_viscosity
 from twin.orifice import Orifice, area_for
 from twin.pump import Pump, displacement, ripple_volume
+from twin.relief.slot import AnyRelief, NoRelief
 from twin.relief.steady import precompression_for
 from twin.relief.valve import Relief, relief
 from twin.rig import Values, values
 from twin.seal import Seal, seal
 from twin.spool_valve import SpoolValve, step_matrix
 from twin.switching_valve import SwitchingValve
-from twin.topology import PIPES
+from twin.topology import PIPES, RELIEF_LINE
 
 Entries = Mapping[str, Any]
 REMEMBERED = 1000  # lines and screws of what was built before: both take some 40 ms
@@ -32,16 +34,15 @@ BOTTOMLESS = -1e12  # [Pa], vapour pressure of oil that bears any tension
 
 def build(rig: Values, step: float) -> Circuit:
     """The circuit of a rig at an internal step [s]. Raises ValueError where the step is too coarse for a part."""
-    oil, pipes = _oil(rig), [rig[name] for name in PIPES]
+    oil, pipes = _oil(rig), [rig[name] for name in fitted_pipes(rig)]
     parts = Parts(
         step=step,
-        fitted=Fitted(float(rig["relief"]["kind"] != "none"), float(rig["valve"]["kind"] == "switching")),
         oil=oil,
-        pump=_pump(rig["pump"]),
+        supply=_pump(rig["pump"]),
         relief=_relief(rig["relief"], oil),
+        relief_place=_relief_place(rig),
         fitting=_fitting(rig["filter"], rig["two_position_valve"]),
-        valve=_valve(rig["valve"], oil, step),
-        switching=_switching(rig["switching_valve"], oil),
+        valve=_directional_valve(rig, oil, step),
         cylinder=_cylinder(rig["cylinder"], oil),
         seal=_seal(rig["seal"], oil),
         stops=_stops(rig),
@@ -54,6 +55,11 @@ def build(rig: Values, step: float) -> Circuit:
     circuit = Circuit(parts, lines)
     refuse_coarse_step(circuit)
     return circuit
+
+
+def fitted_pipes(rig: Values) -> tuple[str, ...]:
+    """The lines of a rig: the six, and that of the relief valve if it has one."""
+    return (*PIPES, RELIEF_LINE) if rig["relief"]["place"] == RELIEF_LINE else tuple(PIPES)
 
 
 def rebuild(circuit: Circuit, rig: Values, name: str) -> Circuit:
@@ -75,12 +81,12 @@ def rebuild(circuit: Circuit, rig: Values, name: str) -> Circuit:
 
 SCREW = ("relief.setting", "relief.setting_flow")
 MADE: dict[str, Callable[[Values, Parts], dict[str, Any]]] = {  # fields of Parts that one part of the rig makes
-    "pump": lambda rig, _: {"pump": _pump(rig["pump"])},
+    "pump": lambda rig, _: {"supply": _pump(rig["pump"])},
     "relief": lambda rig, parts: {"relief": _as_screwed(rig, parts, parts.oil)},
     "filter": lambda rig, _: {"fitting": _fitting(rig["filter"], rig["two_position_valve"])},
     "two_position_valve": lambda rig, _: {"fitting": _fitting(rig["filter"], rig["two_position_valve"])},
-    "valve": lambda rig, parts: {"valve": _valve(rig["valve"], parts.oil, parts.step)},
-    "switching_valve": lambda rig, parts: {"switching": _switching(rig["switching_valve"], parts.oil)},
+    "valve": lambda rig, parts: {"valve": _directional_valve(rig, parts.oil, parts.step)},
+    "switching_valve": lambda rig, parts: {"valve": _directional_valve(rig, parts.oil, parts.step)},
     "cylinder": lambda rig, parts: {"cylinder": _cylinder(rig["cylinder"], parts.oil), "stops": _stops(rig)},
     "seal": lambda rig, parts: {"seal": _seal(rig["seal"], parts.oil)},
     "load": lambda rig, _: {"load": _load(rig["load"])},
@@ -101,12 +107,14 @@ def _with_oil(circuit: Circuit, rig: Values) -> Circuit:
         "cylinder": _cylinder(rig["cylinder"], oil),
         "seal": _seal(rig["seal"], oil),
     }
-    lines = tuple(_line(rig[name], oil) for name in PIPES)
+    lines = tuple(_line(rig[name], oil) for name in fitted_pipes(rig))
     return _with_parts(circuit, fields)._replace(lines=_lines(lines, step, oil.vapour_pressure))
 
 
-def _as_screwed(rig: Values, parts: Parts, oil: Oil) -> Relief:
+def _as_screwed(rig: Values, parts: Parts, oil: Oil) -> AnyRelief:
     """The relief valve with the screw where it is."""
+    if not isinstance(parts.relief, Relief):
+        return _relief(rig["relief"], oil)
     pilot = parts.relief.pilot
     return relief(relief_sizes(rig["relief"], pilot.preload / pilot.stiffness), oil)
 
@@ -138,11 +146,11 @@ def _pump(pump: Entries) -> Pump:
     )
 
 
-def _relief(valve: Entries, oil: Oil) -> Relief:
+def _relief(valve: Entries, oil: Oil) -> AnyRelief:
     """The valve whose pilot spring is precompressed for its setting."""
-    unset = relief(relief_sizes(valve, 0.0), oil)
     if valve["kind"] == "none":
-        return unset
+        return NoRelief()
+    unset = relief(relief_sizes(valve, 0.0), oil)
     return relief(relief_sizes(valve, _precompression(valve["setting"], valve["setting_flow"], unset)), oil)
 
 
@@ -153,12 +161,24 @@ def _precompression(setting: float, flow: float, unset: Relief) -> float:
 
 def relief_sizes(valve: Entries, precompression: float) -> dict[str, Any]:
     """What `relief` takes: a rig's numbers, but for the setting, and the precompression [m] of the pilot spring."""
-    sizes = {name: value for name, value in valve.items() if name not in ("kind", "setting", "setting_flow")}
+    sizes = {name: value for name, value in valve.items() if name not in ("kind", "place", "setting", "setting_flow")}
     return sizes | {"pilot_precompression": precompression}
 
 
 def _fitting(strainer: Entries, two_position: Entries) -> Fitting:
     return Fitting(strainer["drop"] / strainer["flow"], two_position["drop"] / two_position["flow"] ** 2)
+
+
+def _relief_place(rig: Values) -> AtTee | OwnLine:
+    if rig["relief"]["place"] == "tee":
+        return AtTee()
+    return OwnLine(math.pi / 4.0 * rig[RELIEF_LINE]["diameter"] ** 2 * rig[RELIEF_LINE]["length"])
+
+
+def _directional_valve(rig: Values, oil: Oil, step: float) -> Valve:
+    if rig["valve"]["kind"] == "switching":
+        return _switching(rig["switching_valve"], oil)
+    return _valve(rig["valve"], oil, step)
 
 
 def _valve(valve: Entries, oil: Oil, step: float) -> SpoolValve:

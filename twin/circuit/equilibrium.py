@@ -9,26 +9,29 @@ from twin.circuit.state import Flows, Pressures, State
 from twin.circuit.step import (
     TEE_1,
     TEE_2,
+    VALVE_END,
+    AtTee,
     Circuit,
     Core,
     Ends,
     Ledger,
+    OwnLine,
     Piston,
-    Spool,
-    land_areas,
+    Slots,
 )
 from twin.cylinder import Chambers, stored_oil
+from twin.directional_valve import Spool, land_orifice, lands_at
 from twin.fitting import fitting_resistance
 from twin.lines.bank import arriving, memory_size, settle, steady_drop
 from twin.load import carried_mass, weight_at
 from twin.minor_losses import loss_at_end, minor_drop, resist
 from twin.orifice import resistance
 from twin.port import joined
-from twin.pump import pumped_oil, speed_ratio
-from twin.relief.motion import begin
-from twin.relief.steady import rest, steady_flow
-from twin.topology import ENDS, LINES, PLACES, TAPS
+from twin.relief.slot import begin_relief, steady_relief
+from twin.supply import starting_ratio, steady_supply
+from twin.topology import END_COUNT, ENDS, LINES, PLACES, SLOT, SLOTS, TAPS
 
+OWN_LINE = LINES  # of the relief valve, behind the six
 TIGHT = 1e-14  # [m^3/s]
 HIGHEST = 1e10  # [Pa]
 
@@ -46,10 +49,10 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
     """Where pump, relief valve and the valve's centre position balance; ratio: of the pump's full speed."""
 
     def at(tee: float) -> tuple[SupplyAtRest, float]:
-        relieved = steady_flow(tee, circuit.parts.relief) if circuit.parts.fitted.relief else 0.0
+        relieved = relieved_at(tee, circuit)[0]
         idle = idle_flow(tee, circuit)
         pump = tee + _line_drop(0, relieved + idle, circuit)
-        delivered = pumped_oil(pump, ratio, circuit.parts.pump, circuit.parts.oil.bulk_modulus)[0]
+        delivered = steady_supply(circuit.parts.supply, pump, ratio, circuit.parts.oil)[0]
         return SupplyAtRest(pump, tee, relieved, idle), delivered - relieved - idle
 
     if at(0.0)[1] <= TIGHT:  # pump off: any pressure below cracking stays
@@ -67,7 +70,7 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
 
 def idle_flow(tee: float, circuit: Circuit) -> float:
     """Flow [m^3/s] from the tee through the valve at rest to the tank, at a pressure [Pa] at the tee."""
-    area = land_areas(0.0, circuit.parts).p_t
+    area = lands_at(circuit.parts.valve, 0.0).p_t
     if area <= 0.0 or tee <= 0.0:
         return 0.0
 
@@ -90,7 +93,7 @@ def _root(function: Callable[[float], float], high: float, tolerance: float) -> 
 def _idle_drops(flow: float, area: float, circuit: Circuit) -> tuple[float, float, float, float]:
     """Pressure drops [Pa] from the tee to P, over the land P-T, of line 5 and of line 6."""
     parts = circuit.parts
-    a, b = resistance(area, parts.switching.orifice, parts.oil)
+    a, b = resistance(area, land_orifice(parts.valve), parts.oil)
     to_p = fitting_resistance(flow, parts.fitting) * flow + _line_drop(1, flow, circuit)
     return to_p, (a * abs(flow) + b) * flow, _line_drop(4, flow, circuit), _line_drop(5, flow, circuit)
 
@@ -118,50 +121,67 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
             f"load.force {load.force:g} N lifts the load off the oil, the lower chamber would be at {p_lower:.4g} Pa, "
             f"below the vapour pressure; take at most {most:.4g} N"
         )
-    supply = supply_at_rest(circuit, speed_ratio(0.0, circuit.parts.pump))
+    supply = supply_at_rest(circuit, starting_ratio(circuit.parts.supply))
     p, t, back = supply.tee, 0.0, 0.0
     if supply.idle > 0.0:
-        to_p, _, drop_5, back = _idle_drops(supply.idle, land_areas(0.0, circuit.parts).p_t, circuit)
+        to_p, _, drop_5, back = _idle_drops(supply.idle, lands_at(circuit.parts.valve, 0.0).p_t, circuit)
         p, t = supply.tee - to_p, drop_5 + back
     at = Pressures(supply.pump, supply.tee, p, p_lower, p_lower, p_upper, p_upper, t, back)
     through = Flows(supply.relieved + supply.idle, supply.idle, 0.0, 0.0, supply.idle, supply.idle)
     return state_at(at, through, Piston(position, 0.0), Spool(0.0, 0.0), circuit)
 
 
+def relieved_at(tee: float, circuit: Circuit) -> tuple[float, float]:
+    """Flow [m^3/s] over the relief valve at a pressure [Pa] at the tee, and the pressure before the valve."""
+    valve, relief = circuit.parts.relief, lambda p: steady_relief(valve, p)
+    most = relief(tee)
+    if isinstance(circuit.parts.relief_place, AtTee) or most <= 0.0:
+        return most, tee
+
+    def excess(flow: float) -> float:
+        return flow - relief(tee - steady_drop(circuit.lines, OWN_LINE, flow))
+
+    flow = _root(excess, most, 1e-18) if excess(most) > 0.0 else most
+    return flow, tee - steady_drop(circuit.lines, OWN_LINE, flow)
+
+
 def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circuit) -> State:
     """The state in which these pressures [Pa] and flows [m^3/s] have been steady; no cavities."""
     parts, lines = circuit.parts, circuit.lines
-    at = dict(zip(PLACES, p, strict=True))
+    at, relieved = dict(zip(PLACES, p, strict=True)), q.line_1 - q.line_2
     pressure = np.array([at.get(end, 0.0) for end in ENDS])
     pressure[TEE_2] -= fitting_resistance(q.line_2, parts.fitting) * q.line_2
-    memory, through = np.zeros(memory_size(lines)), np.array(q)
-    flow = np.repeat(through, 2) * np.tile([1.0, -1.0], LINES)
-    lost = np.repeat([loss_at_end(parts.losses, line) for line in range(LINES)], 2)
+    memory, through, before = np.zeros(memory_size(lines)), np.array(q), p.tee
+    if len(lines.model) > LINES:
+        before = relieved_at(p.tee, circuit)[1]
+        pressure, through = np.append(pressure, [p.tee, before]), np.append(through, relieved)
+    flow = np.repeat(through, 2) * np.tile([1.0, -1.0], len(through))
+    lost = np.repeat([loss_at_end(parts.losses, line) if line < LINES else 0.0 for line in range(len(through))], 2)
     inner = pressure - lost * np.abs(flow) * flow
     settle(lines, memory, inner, through)
-    cavity, free, impedance = np.zeros((3, len(ENDS)))
-    ends = Ends(pressure, flow, cavity, free, impedance, _line_oil(inner, circuit))
+    oil = lines.capacity * inner.reshape(-1, 2).mean(axis=1)
+    cavity, free, impedance = np.zeros((3, END_COUNT))
+    ends = Ends(_padded(pressure), _padded(flow), cavity, free, impedance, np.resize(_padded(oil), END_COUNT // 2))
     signals = np.tile([piston.position, *(at[place] for place in TAPS.values())], 2)
-    core = _core(p, q.line_1 - q.line_2, piston, spool, circuit)
-    return _with_tee(State(core, ends, signals, memory), circuit)
-
-
-def _line_oil(pressure: np.ndarray, circuit: Circuit) -> np.ndarray:
-    return circuit.lines.capacity * pressure.reshape(LINES, 2).mean(axis=1)
-
-
-def _core(p: Pressures, relieved: float, piston: Piston, spool: Spool, circuit: Circuit) -> Core:
-    parts = circuit.parts
+    slots = Slots(*np.zeros((len(SLOTS), SLOT)))
     stored = stored_oil(Chambers(p.lower, p.upper), piston.position, parts.cylinder)
+    relief = begin_relief(parts.relief, before, relieved, slots.relief)
     weight = weight_at(piston.position, parts.load)
-    relief = begin(rest(p.tee, parts.relief), p.tee, relieved, parts.relief)
-    return Core(0.0, piston, spool, weight, stored, relief, p.tee, Ledger(0.0, 0.0, 0.0))
+    core = Core(0.0, piston, spool, weight, stored, relief, before, Ledger(0.0, 0.0, 0.0))
+    return _with_tee(State(core, ends, signals, slots, memory), circuit)
+
+
+def _padded(at_ends: np.ndarray) -> np.ndarray:
+    """The same for all ends, those of lines that are not fitted at zero."""
+    return np.pad(at_ends, (0, END_COUNT - len(at_ends)))
 
 
 def _with_tee(state: State, circuit: Circuit) -> State:
-    """What the relief valve has met: the port of the tee at this instant."""
-    free, impedance = np.zeros((2, len(ENDS)))
+    """What the relief valve has met: its port at this instant."""
+    free, impedance = np.zeros((2, END_COUNT))
     arriving(circuit.lines, state.memory.copy(), 1, free, impedance)
+    if isinstance(circuit.parts.relief_place, OwnLine):
+        return state.with_core(tee=float(free[VALVE_END]))
     resist(circuit.parts.losses, state.ends.flow, impedance)
     series = fitting_resistance(state.ends.flow[TEE_2], circuit.parts.fitting)
     port = joined(free[TEE_1], impedance[TEE_1], free[TEE_2], impedance[TEE_2] + series)

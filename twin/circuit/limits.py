@@ -8,8 +8,10 @@ import numpy as np
 from twin.circuit.step import Circuit
 from twin.cylinder import Chambers, chamber_volumes
 from twin.kernel import interpreted
+from twin.pump import Pump
 from twin.seal import least_mass
-from twin.topology import PIPES
+from twin.switching_valve import SwitchingValve
+from twin.topology import PIPES, RELIEF_LINE
 
 FOLLOWED = 0.5  # omega h up to which the leapfrog keeps a frequency within (omega h)^2/24 = 1 %
 STEPS_PER_TRAVEL = 8.0  # of a line, for its stated accuracy
@@ -30,22 +32,23 @@ def limits(circuit: Circuit) -> list[Limit]:
     parts, stiffest = circuit.parts, stiffest_oil_spring(circuit)
     found = [
         Limit(pipe, "wave travel time", float(time), float(time) / STEPS_PER_TRAVEL)
-        for pipe, time in zip(PIPES, circuit.lines.travel_time, strict=True)
+        for pipe, time in zip((*PIPES, RELIEF_LINE), circuit.lines.travel_time, strict=False)
     ]
     found.append(_oscillator("load", "on the oil shut in, stiffest place", stiffest, parts.load.mass))
     if parts.load.added > 0.0:
         found.append(_oscillator("load", "weight on its buffer", parts.load.stiffness, _reduced_mass(circuit)))
-    if parts.pump.ripple > 0.0:
-        tooth = 1.0 / parts.pump.tooth_frequency
+    if isinstance(parts.supply, Pump) and parts.supply.ripple > 0.0:
+        tooth = 1.0 / parts.supply.tooth_frequency
         found.append(Limit("pump", "period of a tooth", tooth, tooth / STEPS_PER_TOOTH))
     return [*found, _valve(circuit)]
 
 
 def _valve(circuit: Circuit) -> Limit:
-    if circuit.parts.fitted.switching == 1.0:
-        time = 1.0 / max(circuit.parts.switching.speed, circuit.parts.switching.return_speed)
+    valve = circuit.parts.valve
+    if isinstance(valve, SwitchingValve):
+        time = 1.0 / max(valve.speed, valve.return_speed)
         return Limit("switching_valve", "switching time", time, 0.5 * time)
-    time = 1.0 / circuit.parts.valve.natural_frequency
+    time = 1.0 / valve.natural_frequency
     return Limit("valve", "spool", time, FOLLOWED * time)
 
 

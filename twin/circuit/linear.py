@@ -39,14 +39,16 @@ from twin.circuit.state import (
     flows,
     pressures,
 )
-from twin.circuit.step import Circuit, Piston, Spool
+from twin.circuit.step import Circuit, Piston
+from twin.directional_valve import Spool, is_switching
 from twin.fitting import fitting_slope
 from twin.lines.bank import steady_slope as line_slope
 from twin.minor_losses import loss_at_end
 from twin.orifice import flow_slopes
-from twin.pump import pumped_oil
 from twin.relief.steady import steady_slope as relief_slope
+from twin.relief.valve import Relief
 from twin.spool_valve import opening
+from twin.supply import steady_supply
 from twin.topology import CHANNELS, LINES, PLACES
 
 if TYPE_CHECKING:
@@ -202,8 +204,8 @@ def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None) -> Array:
     for source, sink, by_drop, by_spool in (leak, *lands(y, circuit, edge)):
         slopes[source, [source, sink, S]] += -by_drop, by_drop, -by_spool
         slopes[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
-    slopes[PUMP, PUMP] += pumped_oil(float(y[PUMP]), 1.0, c.pump, c.oil.bulk_modulus)[1]
-    if c.fitted.relief:
+    slopes[PUMP, PUMP] += steady_supply(c.supply, float(y[PUMP]), 1.0, c.oil)[1]
+    if isinstance(c.relief, Relief):
         slopes[TEE, TEE] -= relief_slope(float(y[TEE]), c.relief)
     per_stroke = c.cylinder.area_lower / c.oil.bulk_modulus, c.cylinder.area_upper / c.oil.bulk_modulus
     slopes[LOWER, LOWER] -= per_stroke[0] * y[V]
@@ -253,7 +255,7 @@ def _refuse_cavity(p: Pressures, circuit: Circuit) -> None:
 
 
 def _refuse_switching(circuit: Circuit) -> None:
-    if circuit.parts.fitted.switching:
+    if is_switching(circuit.parts.valve):
         raise ValueError(
             "a switching valve knows three positions and has no slope between them; "
             "linearise with valve.kind = 'proportional'"

@@ -14,9 +14,10 @@ from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.step import Circuit
 from twin.lines.theory import losses
 from twin.minor_losses import loss_at_end
-from twin.pump import pumped_oil
 from twin.relief.pilot_theory import swings_with_lines
 from twin.relief.steady import steady_pressure
+from twin.relief.valve import Relief
+from twin.supply import steady_supply
 
 Array = NDArray[Any]
 SCANNED, HALVINGS = 10, 6  # flows from that at rest down to none, and how often the edge between two is halved
@@ -38,7 +39,7 @@ def pilot_swings(rig: Mapping[str, Any], circuit: Circuit, flow: float | None = 
     """
     parts, supply = circuit.parts, supply_at_rest(circuit)
     tee, over = (supply.tee, supply.relieved) if flow is None else (steady_pressure(flow, parts.relief), flow)
-    leakage = -pumped_oil(supply.pump, 1.0, parts.pump, parts.oil.bulk_modulus)[1]
+    leakage = -steady_supply(parts.supply, supply.pump, 1.0, parts.oil)[1]
     lost = 2.0 * loss_at_end(parts.losses, 0) * (over + supply.idle)
     first, second = (float(rig[pipe]["diameter"]) for pipe in ("pipe_1", "pipe_2"))
 
@@ -62,7 +63,7 @@ class SelfExcited(NamedTuple):
 def self_excited(rig: Mapping[str, Any], circuit: Circuit) -> SelfExcited | None:
     """What grows by itself; None where nothing does, or nothing flows over the relief valve."""
     flow = supply_at_rest(circuit).relieved
-    if circuit.parts.fitted.relief == 0.0 or flow <= 0.0:
+    if not isinstance(circuit.parts.relief, Relief) or flow <= 0.0:
         return None
     growth, frequency = _fastest(rig, circuit, flow)
     if growth <= 0.0:

@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit.state import Flows, Pressures
-from twin.circuit.step import Circuit, land_areas
+from twin.circuit.step import Circuit
 from twin.cylinder import chamber_volumes
+from twin.directional_valve import land_orifice, lands_at, spool_acceleration
 from twin.fitting import fitting_resistance
 from twin.kernel import inlined, kernel
 from twin.lines.bank import steady_drop, unpacked
 from twin.minor_losses import minor_drop
 from twin.orifice import flow
-from twin.pump import pumped_oil
-from twin.relief.steady import steady_flow
+from twin.relief.slot import steady_relief
+from twin.supply import steady_supply
 from twin.topology import LINES, PIPES, PLACES
 
 STATES = (
@@ -72,20 +73,18 @@ def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> No
     out[X] = y[V]
     force = cylinder.area_lower * y[LOWER] - cylinder.area_upper * y[UPPER] + c.load.force
     out[V] = (force - viscous * y[V]) / c.load.mass - c.load.gravity
-    spring, damping = c.valve.natural_frequency**2, 2.0 * c.valve.damping * c.valve.natural_frequency
-    out[S] = y[S_RATE]
-    out[S_RATE] = spring * (reference - y[S]) - damping * y[S_RATE]
+    out[S], out[S_RATE] = y[S_RATE], spool_acceleration(c.valve, y[S], y[S_RATE], reference)
 
 
 @kernel
 def _inflows(y, c, out) -> None:
     """What the components bring into each place [m^3/s]."""
-    area, orifice = land_areas(y[S], c), c.valve.orifice
+    area, orifice = lands_at(c.valve, y[S]), land_orifice(c.valve)
     p_a, b_t = flow(y[P] - y[A], area.p_a, orifice, c.oil), flow(y[B] - y[T], area.b_t, orifice, c.oil)
     p_b, a_t = flow(y[P] - y[B], area.p_b, orifice, c.oil), flow(y[A] - y[T], area.a_t, orifice, c.oil)
     leak = c.cylinder.leakage * (y[LOWER] - y[UPPER])
-    out[PUMP] = pumped_oil(y[PUMP], 1.0, c.pump, c.oil.bulk_modulus)[0]
-    out[TEE] = -steady_flow(y[TEE], c.relief) if c.fitted.relief == 1.0 else 0.0
+    out[PUMP] = steady_supply(c.supply, y[PUMP], 1.0, c.oil)[0]
+    out[TEE] = -steady_relief(c.relief, y[TEE])
     out[P], out[A], out[B], out[T], out[BACK] = -p_a - p_b, p_a - a_t, p_b - b_t, b_t + a_t, 0.0
     out[LOWER], out[UPPER] = -leak, leak
 

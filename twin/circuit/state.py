@@ -1,6 +1,7 @@
 """The state of a circuit, as its parts and as one flat array of numbers, which is what the kernels run on.
 
-core | pressure | flow | cavity | free | impedance (12 each) | oil of the lines (6) | signals | memory of the lines
+core | pressure | flow | cavity | free | impedance (14 each) | oil of the lines (7) | signals | memory of the slots |
+memory of the lines
 """
 
 from collections.abc import Iterator
@@ -9,12 +10,13 @@ from typing import Any, NamedTuple, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.circuit.step import Core, Ends, Ledger, Piston, Spool
+from twin.circuit.step import Core, Ends, Ledger, Piston, Slots
 from twin.cylinder import Chambers
+from twin.directional_valve import Spool
 from twin.kernel import inlined
 from twin.load import Weight
 from twin.relief.motion import Motion, ReliefState
-from twin.topology import END_OF, ENDS, LINES, TAPS
+from twin.topology import END_COUNT, END_OF, LINES, SLOT, SLOTS, TAPS
 
 
 def _names(kind: type, prefix: str = "") -> Iterator[str]:
@@ -25,10 +27,11 @@ def _names(kind: type, prefix: str = "") -> Iterator[str]:
 
 CORE = tuple(_names(Core))
 ENDS_AT = len(CORE)
-LINES_AT = ENDS_AT + 5 * len(ENDS)
-SIGNALS_AT = LINES_AT + LINES
+LINES_AT = ENDS_AT + 5 * END_COUNT
+SIGNALS_AT = LINES_AT + END_COUNT // 2
 SIGNALS = 1 + len(TAPS)  # behind amplifiers: the position and the pressures at the taps
-MEMORY_AT = SIGNALS_AT + 2 * SIGNALS
+SLOTS_AT = SIGNALS_AT + 2 * SIGNALS
+MEMORY_AT = SLOTS_AT + SLOT * len(SLOTS)
 
 
 def place_of(name: str) -> int:
@@ -67,6 +70,7 @@ class State(NamedTuple):
     core: Core
     ends: Ends
     signals: NDArray[np.float64]  # of the amplifiers: outputs, then inputs
+    slots: Slots
     memory: NDArray[np.float64]  # of the lines
 
     @property
@@ -104,7 +108,7 @@ def oil_in(state: State) -> float:
 
 def flatten(state: State) -> NDArray[np.float64]:
     """A state as an array of its numbers, in order."""
-    return np.concatenate([list(_numbers(state.core)), *state.ends, state.signals, state.memory])
+    return np.concatenate([list(_numbers(state.core)), *state.ends, state.signals, *state.slots, state.memory])
 
 
 def _numbers(part: Any) -> Iterator[float]:
@@ -118,8 +122,14 @@ def _numbers(part: Any) -> Iterator[float]:
 def unflatten(array: NDArray[np.float64]) -> State:
     """The state back from its numbers; a copy."""
     kept = array.copy()
-    ends = [*kept[ENDS_AT:LINES_AT].reshape(-1, len(ENDS)), kept[LINES_AT:SIGNALS_AT]]
-    return State(load(kept), Ends._make(ends), kept[SIGNALS_AT:MEMORY_AT], kept[MEMORY_AT:])
+    ends = [*kept[ENDS_AT:LINES_AT].reshape(-1, END_COUNT), kept[LINES_AT:SIGNALS_AT]]
+    return State(
+        load(kept),
+        Ends._make(ends),
+        kept[SIGNALS_AT:SLOTS_AT],
+        Slots(*kept[SLOTS_AT:MEMORY_AT].reshape(-1, SLOT)),
+        kept[MEMORY_AT:],
+    )
 
 
 @inlined
@@ -157,7 +167,7 @@ def store(s: Core, a) -> None:
 @inlined
 def ends_of(a) -> Ends:
     """The line ends of a flat state, as views of it."""
-    e, n = ENDS_AT, 2 * LINES
+    e, n = ENDS_AT, END_COUNT
     return Ends(
         a[e : e + n],
         a[e + n : e + 2 * n],
@@ -165,4 +175,24 @@ def ends_of(a) -> Ends:
         a[e + 3 * n : e + 4 * n],
         a[e + 4 * n : e + 5 * n],
         a[LINES_AT:SIGNALS_AT],
+    )
+
+
+@inlined
+def slots_of(a) -> Slots:
+    """What the kinds in the slots of a flat state keep, as views of it."""
+    s, n = SLOTS_AT, SLOT
+    return Slots(
+        a[s + 0 * n : s + 1 * n],
+        a[s + 1 * n : s + 2 * n],
+        a[s + 2 * n : s + 3 * n],
+        a[s + 3 * n : s + 4 * n],
+        a[s + 4 * n : s + 5 * n],
+        a[s + 5 * n : s + 6 * n],
+        a[s + 6 * n : s + 7 * n],
+        a[s + 7 * n : s + 8 * n],
+        a[s + 8 * n : s + 9 * n],
+        a[s + 9 * n : s + 10 * n],
+        a[s + 10 * n : s + 11 * n],
+        a[s + 11 * n : s + 12 * n],
     )

@@ -11,50 +11,52 @@ pressures. `block` runs it on flat arrays; what a step reads and writes of the l
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
 from twin.amplifier import Amplifiers, Direct
 from twin.contact import Stops, stopped, travel
 from twin.cylinder import Chambers, Cylinder, drive, fill_chambers
+from twin.directional_valve import Spool, Valve, move_valve, valve_flows
 from twin.fitting import Fitting, fitting_resistance
-from twin.kernel import inlined
-from twin.lands import Lands, Ports, land_flows
+from twin.kernel import by_type, inlined
+from twin.lands import Ports
 from twin.lines.bank import Bank, arriving, departing
 from twin.load import Load, Weight, carried_mass, contact_force, kick_weight, move_weight, pick_up
 from twin.minor_losses import Losses, resist
 from twin.oil import Oil
 from twin.port import Port, cavity, joined, pressure, with_cavity
-from twin.pump import Pump, pumped_oil, ripple_flow, speed_ratio
 from twin.relief.motion import Motion
-from twin.relief.valve import Relief, step_valve
+from twin.relief.slot import AnyRelief, move_relief
 from twin.seal import Seal, friction, friction_limit, slide
-from twin.spool_valve import SpoolValve, closed_centre_lands, move_spool
-from twin.switching_valve import SwitchingValve, switch_spool, tandem_lands
-from twin.topology import ENDS, LINES
+from twin.supply import Supply, supply_flow
+from twin.topology import ENDS, RELIEF_END
 
 PUMP, TEE_1, TEE_2, P, A, LOWER, B, UPPER, T, BACK_5, BACK_6, TANK = range(len(ENDS))
+VALVE_END = RELIEF_END + 1
 
 
-class Fitted(NamedTuple):
-    """Which parts the circuit has: 1.0 for yes."""
+class AtTee(NamedTuple):
+    """The relief valve sits at the tee."""
 
-    relief: float  # else the tee has no valve
-    switching: float  # the switching valve in place of the proportional one
+
+class OwnLine(NamedTuple):
+    """The relief valve sits at the end of a line of its own."""
+
+    volume: float  # of the line [m^3]
 
 
 class Parts(NamedTuple):
     """All parameters that a step reads but for those of the lines."""
 
     step: float  # h [s]
-    fitted: Fitted
     oil: Oil
-    pump: Pump
-    relief: Relief
+    supply: Supply
+    relief: AnyRelief
+    relief_place: AtTee | OwnLine
     fitting: Fitting  # in line 2, at the tee
-    valve: SpoolValve
-    switching: SwitchingValve
+    valve: Valve
     cylinder: Cylinder
     seal: Seal
     stops: Stops
@@ -76,13 +78,6 @@ class Piston(NamedTuple):
 
     position: float  # x [m]
     velocity: float  # [m/s]
-
-
-class Spool(NamedTuple):
-    """Spool of the directional valve, in shares of its travel."""
-
-    position: float  # -1..1
-    velocity: float  # [1/s]
 
 
 class Ledger(NamedTuple):
@@ -107,7 +102,7 @@ class Core(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """The twelve line ends at the last instant, in the order of ENDS, and the oil of the six lines."""
+    """The line ends at the last instant, in the order of ENDS, and the oil of the lines; the relief line's own last."""
 
     pressure: NDArray  # [Pa]
     flow: NDArray  # into the line [m^3/s]
@@ -115,6 +110,23 @@ class Ends(NamedTuple):
     free: NDArray  # c [Pa]
     impedance: NDArray  # Z [Pa s/m^3]
     oil: NDArray  # in each line, beyond what fills it at no pressure [m^3 at reference density]
+
+
+class Slots(NamedTuple):
+    """What the kinds in the slots keep, in the order of SLOTS; each array holds SLOT numbers."""
+
+    supply: NDArray
+    accumulator: NDArray
+    fittings: NDArray
+    relief: NDArray
+    return_end: NDArray
+    valve: NDArray
+    accessory_a: NDArray
+    accessory_b: NDArray
+    cushion: NDArray
+    actuator: NDArray
+    friction: NDArray
+    load: NDArray
 
 
 @inlined
@@ -158,44 +170,41 @@ def deliver(end: int, port: Port, flow: float, ends: Ends, parts: Parts) -> floa
 
 
 @inlined
-def pump_side(tick: float, ends: Ends, parts: Parts) -> float:
-    """The pump on its line; returns the oil it delivers [m^3/s]. Its leakage is linearised about the last pressure."""
-    port, before = port_at(PUMP, ends, parts.step), ends.pressure[PUMP]
-    time = tick * parts.step
-    mean, slope = pumped_oil(before, speed_ratio(time, parts.pump), parts.pump, parts.oil.bulk_modulus)
-    ripple = ripple_flow(time + 0.5 * parts.step, parts.step, parts.pump)
-    inflow = mean + ripple - slope * before
-    p = max(parts.oil.vapour_pressure, (port.free + port.impedance * inflow) / (1.0 - port.impedance * slope))
-    delivered = inflow + slope * p
+def supply_side(tick: float, ends: Ends, parts: Parts, slots: Slots) -> float:
+    """The supply on its line; returns the oil it delivers [m^3/s]."""
+    port, memory = port_at(PUMP, ends, parts.step), slots.supply
+    delivered = supply_flow(parts.supply, tick, port, ends.pressure[PUMP], memory, parts.oil, parts.step)
     deliver(PUMP, port, delivered, ends, parts)
     return delivered
 
 
-@inlined
-def relief_side(relief: Motion, before: float, ends: Ends, parts: Parts) -> tuple[Motion, float]:
-    """The relief valve at its tee, and the pressure the tee would have without it; before: that of the last instant."""
+@by_type
+def relief_side(
+    place: Any, relief: Motion, before: float, ends: Ends, parts: Parts, slots: Slots
+) -> tuple[Motion, float]:
+    """Tee and relief valve, and the pressure its port would have without it; before: that of the last instant."""
+    raise TypeError(f"{place} is not a place of the relief valve")
+
+
+@relief_side.register
+def _(place: AtTee, relief: Motion, before: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Motion, float]:
     port, behind = relief_tee(ends, parts)
-    if parts.fitted.relief == 1.0:
-        relief, _ = step_valve(relief, before, port.free, port.impedance, parts.relief, parts.step)
+    relief = move_relief(parts.relief, relief, before, port, slots.relief, parts.step)
     p = deliver(TEE_1, port, -relief.flow, ends, parts)
     deliver(TEE_2, port_at(TEE_2, ends, parts.step), (p - behind.free) / behind.impedance, ends, parts)
     return relief, port.free
 
 
-@inlined
-def move_valve(spool: Spool, reference: float, parts: Parts) -> Spool:
-    """The spool of the valve that is fitted, a step later."""
-    if parts.fitted.switching == 1.0:
-        return Spool(*switch_spool(spool.position, reference, parts.switching, parts.step))
-    return Spool(*move_spool(spool.position, spool.velocity, reference, parts.valve, parts.step))
-
-
-@inlined
-def land_areas(spool: float, parts: Parts) -> Lands:
-    """Areas [m^2] of the valve that is fitted."""
-    if parts.fitted.switching == 1.0:
-        return tandem_lands(spool, parts.switching)
-    return closed_centre_lands(spool, parts.valve)
+@relief_side.register
+def _(place: OwnLine, relief: Motion, before: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Motion, float]:
+    own, (tee, behind) = port_at(VALVE_END, ends, parts.step), relief_tee(ends, parts)
+    relief = move_relief(parts.relief, relief, before, own, slots.relief, parts.step)
+    deliver(VALVE_END, own, -relief.flow, ends, parts)
+    port = joined(tee.free, tee.impedance, ends.free[RELIEF_END], ends.impedance[RELIEF_END])
+    p = deliver(TEE_1, port, 0.0, ends, parts)
+    set_pressure(RELIEF_END, p, ends)
+    deliver(TEE_2, port_at(TEE_2, ends, parts.step), (p - behind.free) / behind.impedance, ends, parts)
+    return relief, own.free
 
 
 @inlined
@@ -203,8 +212,7 @@ def valve_side(spool: float, ends: Ends, parts: Parts) -> None:
     """The directional valve between its four ports."""
     h = parts.step
     ports = Ports(port_at(P, ends, h), port_at(A, ends, h), port_at(B, ends, h), port_at(T, ends, h))
-    orifice = parts.switching.orifice if parts.fitted.switching == 1.0 else parts.valve.orifice
-    q = land_flows(ports, land_areas(spool, parts), orifice, parts.oil)
+    q = valve_flows(parts.valve, spool, ports, parts.oil)
     deliver(P, ports.p, -(q.p_a + q.p_b + q.p_t), ends, parts)
     deliver(A, ports.a, q.p_a - q.a_t, ends, parts)
     deliver(B, ports.b, q.p_b - q.b_t, ends, parts)
@@ -266,24 +274,24 @@ def cylinder_side(stored: Chambers, piston: Piston, ends: Ends, parts: Parts) ->
 @inlined
 def count_oil(oil: NDArray, flow: NDArray, lower: float, upper: float, step: float) -> None:
     """Oil of the lines after a step; lower, upper: flows into them from the chambers before it, whose mean counts."""
-    for line in range(LINES):
+    for line in range(len(oil)):
         oil[line] += step * (flow[2 * line] + flow[2 * line + 1])
     oil[2] += 0.5 * step * (lower - flow[LOWER])
     oil[3] += 0.5 * step * (upper - flow[UPPER])
 
 
 @inlined
-def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, memory: NDArray) -> Core:
-    """One step under a spool reference -1..1: `ends` and the memory of the lines change in place."""
+def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, slots: Slots, memory: NDArray) -> Core:
+    """One step under a spool reference -1..1: `ends` and the memories of slots and lines change in place."""
     h, tick = parts.step, s.tick + 1.0
     lower, upper = ends.flow[LOWER], ends.flow[UPPER]
     piston, weight = kick(s.piston, s.weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
     piston, weight = move_piston(piston, weight, parts)
-    spool = move_valve(s.spool, reference, parts)
+    spool = move_valve(parts.valve, s.spool, reference, slots.valve, h)
     arriving(bank, memory, int(tick), ends.free, ends.impedance)
     resist(parts.losses, ends.flow, ends.impedance)
-    pumped = pump_side(tick, ends, parts)
-    relief, tee = relief_side(s.relief, s.tee, ends, parts)
+    pumped = supply_side(tick, ends, parts, slots)
+    relief, tee = relief_side(parts.relief_place, s.relief, s.tee, ends, parts, slots)
     valve_side(spool.position, ends, parts)
     chambers = cylinder_side(s.chambers, piston, ends, parts)
     return_side(ends, parts)

@@ -128,7 +128,7 @@ def _pump(axes: Axes) -> None:
     """Suction from the tank, the pump, its speed and flow."""
     rig, circuit = values(), rig_circuit()
     at = rig["pump"]["efficiency_pressure"]
-    flow = 6e4 * pump_flow(at, 1.0, circuit.parts.pump)
+    flow = 6e4 * pump_flow(at, 1.0, circuit.parts.supply)
     tank(axes, 1.3, 1.0)
     thin(axes, (1.3, 0.8), (1.3, 1.75))
     circle(axes, 1.3, 2.25, 0.5)

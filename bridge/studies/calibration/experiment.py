@@ -51,9 +51,9 @@ def circuit_for(overrides: Mapping[str, Mapping[str, Any]]) -> Circuit:
 
 def at_speed(circuit: Circuit, speed: int) -> Circuit:
     """The same with another speed [rpm] of its pump."""
-    pump, ratio = circuit.parts.pump, speed / max(SPEEDS)
+    pump, ratio = circuit.parts.supply, speed / max(SPEEDS)
     pump = pump._replace(delivery=ratio * pump.delivery, tooth_frequency=ratio * pump.tooth_frequency)
-    return circuit._replace(parts=circuit.parts._replace(pump=pump))
+    return circuit._replace(parts=circuit.parts._replace(supply=pump))
 
 
 def reference(time: float, speed: int) -> float:

@@ -75,8 +75,7 @@ def oil_spring(circuit: Circuit, position: float) -> float:
 def _open_flow(circuit: Circuit, drop: float) -> float:
     """Flow [m^3/s] of one land of the wide open valve at a pressure drop [Pa]."""
     parts = circuit.parts
-    valve = parts.switching if parts.fitted.switching else parts.valve
-    return float(flow(drop, valve.area, valve.orifice, parts.oil))
+    return float(flow(drop, parts.valve.area, parts.valve.orifice, parts.oil))
 
 
 def _loop(scenario: Scenario, drive: Drive) -> tuple[SampledGains, tuple[str, ...]]:

@@ -8,18 +8,18 @@ a cavity.
 """
 
 import cmath
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from twin.cylinder import Chambers, Cylinder, chamber_pressures, drive
+from twin.directional_valve import Valve, land_orifice, lands_at
 from twin.fitting import Fitting, fitting_resistance
-from twin.kernel import inlined
+from twin.kernel import by_type, inlined
 from twin.lands import Lands, Ports, land_flows
 from twin.oil import Oil
-from twin.orifice import Orifice
 from twin.port import Port
 from twin.seal import Seal, slide
-from twin.spool_valve import SpoolValve, closed_centre_lands, move_spool
-from twin.switching_valve import SwitchingValve, switch_spool, tandem_lands
+from twin.spool_valve import SpoolValve, move_spool
+from twin.switching_valve import SwitchingValve, switch_spool
 
 PARTS = 5  # of a step, for the piston
 
@@ -60,9 +60,7 @@ class Drive(NamedTuple):
     oil: Oil
     cylinder: Cylinder  # its dead volumes include half of the hoses
     seal: Seal
-    is_switching: float  # 1.0: the switching valve in place of the proportional one
-    valve: SpoolValve  # its step matrix is not used
-    switching: SwitchingValve
+    valve: Valve
     supply: Supply
     fitting: Fitting  # in line 2
     capacities: Capacities
@@ -132,7 +130,7 @@ def advance(s: DriveState, reference: float, d: Drive, pace: Pace) -> DriveState
         _port(s.p_b, -q_4, s.into.b, c.b, h),
         _port(s.p_t, -q_5, s.into.t, c.t, h),
     )
-    q = land_flows(ports, areas, _orifice(d), d.oil)
+    q = land_flows(ports, areas, land_orifice(d.valve), d.oil)
     into = Into(-(q.p_a + q.p_b + q.p_t), q.p_a - q.a_t, q.p_b - q.b_t, q.b_t + q.a_t + q.p_t)
     position, velocity, stored = _glide(s.position, s.velocity, s.stored, q_3, q_4, h, d)
     return DriveState(
@@ -182,19 +180,27 @@ def _port(before: float, line: float, lands: float, capacity: float, step: float
 @inlined
 def _lands(s: DriveState, reference: float, d: Drive, pace: Pace) -> tuple[float, float, Lands]:
     """Spool and speed a step later, and the areas it opens."""
-    if d.is_switching == 1.0:
-        spool, speed = switch_spool(s.spool, reference, d.switching, pace.step)
-        return spool, speed, tandem_lands(spool, d.switching)
-    v = d.valve
+    spool, speed = _move(d.valve, s.spool, s.spool_speed, reference, pace)
+    return spool, speed, lands_at(d.valve, spool)
+
+
+@by_type
+def _move(valve: Any, spool: float, speed: float, reference: float, pace: Pace) -> tuple[float, float]:
+    """Spool and speed a step later."""
+    raise TypeError(f"{valve} is not a directional valve")
+
+
+@_move.register
+def _(valve: SwitchingValve, spool: float, speed: float, reference: float, pace: Pace) -> tuple[float, float]:
+    return switch_spool(spool, reference, valve, pace.step)
+
+
+@_move.register
+def _(valve: SpoolValve, spool: float, speed: float, reference: float, pace: Pace) -> tuple[float, float]:
+    v = valve
     matrix = pace.position_from_position, pace.position_from_speed, pace.speed_from_position, pace.speed_from_speed
     paced = SpoolValve(v.natural_frequency, v.damping, v.rate, v.overlap, v.area, v.orifice, *matrix)
-    spool, speed = move_spool(s.spool, s.spool_speed, reference, paced, pace.step)
-    return spool, speed, closed_centre_lands(spool, d.valve)
-
-
-@inlined
-def _orifice(d: Drive) -> Orifice:
-    return d.switching.orifice if d.is_switching == 1.0 else d.valve.orifice
+    return move_spool(spool, speed, reference, paced, pace.step)
 
 
 @inlined

@@ -8,6 +8,7 @@ from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.step import Circuit
 from twin.minor_losses import loss_at_end
 from twin.relief.steady import steady_flow
+from twin.relief.valve import Relief
 
 ANGULAR = 2.0 * np.pi * 30.0  # [rad/s], at which oil in the lines resists: swings between 2 and 40 Hz matter
 KNEE = 0.3  # of the flow at rest, down to where the relief valve's curve is taken as straight
@@ -27,9 +28,7 @@ def reduced(circuit: Circuit) -> Drive:
         oil=parts.oil,
         cylinder=cylinder._replace(dead_lower=cylinder.dead_lower + lower, dead_upper=cylinder.dead_upper + upper),
         seal=parts.seal,
-        is_switching=parts.fitted.switching,
         valve=parts.valve,
-        switching=parts.switching,
         supply=_supply(circuit),
         fitting=parts.fitting,
         capacities=Capacities(*map(float, meet)),
@@ -56,8 +55,8 @@ def _line(number: int, circuit: Circuit) -> Line:
 
 def _supply(circuit: Circuit) -> Supply:
     """The relief valve's curve as a straight line from the flow at rest down to its knee."""
-    pump, at = circuit.parts.pump, supply_at_rest(circuit)
-    if not circuit.parts.fitted.relief or at.relieved <= 0.0:
+    pump, at = circuit.parts.supply, supply_at_rest(circuit)
+    if not isinstance(circuit.parts.relief, Relief) or at.relieved <= 0.0:
         return Supply(pump.delivery, pump.leakage, UNLIMITED, 0.0)
     low = high = at.tee
     while (flow := steady_flow(low, circuit.parts.relief)) > KNEE * at.relieved:
