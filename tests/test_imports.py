@@ -16,6 +16,7 @@ COMPONENTS = (
     *("air", "oil", "iso_vg", "orifice", "port", "contact", "fitting", "seal", "load", "pump", "cylinder", "lands"),
     *("spool_valve", "switching_valve", "directional_valve", "supply", "sensors", "amplifier", "minor_losses"),
     *("neck", "valve_body", "accessory", "counterbalance", "pilot_check", "throttle", "cushion"),
+    *("land_law", "land_network", "servo_opening", "servo_spool", "servo_valve"),
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from twin.kernel import inlined
 from twin.oil import Oil
-from twin.orifice import Orifice, resistance
+from twin.orifice import LEAST_AREA, Orifice, resistance
 from twin.port import Port, passage, pressure
 
 MOST_ITERATIONS = 60
@@ -34,7 +34,7 @@ class Ports(NamedTuple):
 
 @inlined
 def _flow(source: Port, sink: Port, area: float, orifice: Orifice, oil: Oil) -> float:
-    if area <= 0.0:
+    if area <= LEAST_AREA:
         return 0.0
     a, b = resistance(area, orifice, oil)
     return passage(source, sink, a, b, oil.vapour_pressure)
@@ -57,6 +57,12 @@ def _to_cylinder(ports: Ports, area: Lands, p_t: float, orifice: Orifice, oil: O
         _flow(ports.a, t, area.a_t, orifice, oil),
         p_t,
     )
+
+
+@inlined
+def flows_apart(ports: Ports, area: Lands, orifice: Orifice, oil: Oil) -> Lands:
+    """Flows where each port has one open land at most and P-T is shut, in closed form."""
+    return _to_cylinder(ports, area, 0.0, orifice, oil)
 
 
 @inlined

@@ -10,6 +10,8 @@ from typing import NamedTuple
 from twin.kernel import inlined
 from twin.oil import Oil
 
+LEAST_AREA = 1e-30  # [m^2]; below it an opening is shut, since the square of a smaller one may vanish
+
 
 class Orifice(NamedTuple):
     """A sharp edge of any opening."""
@@ -38,7 +40,7 @@ def quadratic_flow(drop: float, a: float, b: float) -> float:
 @inlined
 def flow(drop: float, area: float, orifice: Orifice, oil: Oil) -> float:
     """Q [m^3/s] through an area [m^2] at a pressure drop [Pa]; odd in the drop, zero when shut."""
-    if area <= 0.0:
+    if area <= LEAST_AREA:
         return 0.0
     a, b = resistance(area, orifice, oil)
     return quadratic_flow(drop, a, b)

@@ -43,6 +43,15 @@ def test_every_open_land_obeys_its_orifice_and_a_shut_one_is_tight(free, z, area
             assert (a * abs(flow) + b) * flow == pytest.approx(found[name], rel=1e-6, abs=1.0)
 
 
+@pytest.mark.parametrize("opened", [1e-300, 1e-170, 1e-31])
+def test_an_area_that_has_no_square_is_shut(opened: float):
+    """A spool that comes to rest at an edge nears it for ever; with no transition the law would be infinity times 0."""
+    ports = Ports(Port(9.0 * BAR, 1e9), Port(0.0, 1e9), Port(2.0 * BAR, 1e9), Port(0.0, 1e9))
+    assert land_flows(ports, Lands(opened, opened, 0.0, 0.0, 0.0), Orifice(0.61, 0.0), OIL) == Lands(
+        0.0, 0.0, 0.0, 0.0, 0.0
+    )
+
+
 def test_tandem_centre_lets_the_pump_idle_and_shuts_the_cylinder_in():
     assert tandem_lands(0.0, VALVE) == Lands(0.0, 0.0, 0.0, 0.0, VALVE.area)
     assert tandem_lands(1.0, VALVE) == Lands(VALVE.area, VALVE.area, 0.0, 0.0, 0.0)
