@@ -17,6 +17,7 @@ COMPONENTS = (
     *("spool_valve", "switching_valve", "directional_valve", "supply", "sensors", "amplifier", "minor_losses"),
     *("neck", "valve_body", "accessory", "counterbalance", "pilot_check", "throttle", "cushion"),
     *("land_law", "land_network", "servo_opening", "servo_spool", "servo_valve"),
+    *("lag", "fixed_pump", "variable_pump", "pressure_source", "accumulator", "check_valve", "return_end"),
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (

@@ -1,9 +1,7 @@
 """Measuring amplifiers between transducers and card: a first-order lag each, exact for a signal that is straight
 within a step; fitted or not, which is known when a step is compiled.
 
-Source: 2.2.2 names the amplifier, not its filter. T y' = u - y gives, over a step h with e = exp(-h/T),
-
-    y_1 = e y_0 + ((1 - e) T/h - e) u_0 + (1 - (1 - e) T/h) u_1.
+Source: 2.2.2 names the amplifier, not its filter.
 """
 
 import math
@@ -11,15 +9,8 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from twin.kernel import by_type, inlined
-
-
-class Lag(NamedTuple):
-    """Shares of the output and the input before a step, and of the input after it."""
-
-    kept: float
-    before: float
-    after: float
+from twin.kernel import by_type
+from twin.lag import Lag, follow, lag_over
 
 
 class Direct(NamedTuple):
@@ -35,16 +26,7 @@ class Amplifiers(NamedTuple):
 
 def lag(bandwidth: float, step: float) -> Lag:
     """The lag with a bandwidth [Hz] (-3 dB) over a step [s]."""
-    steps = 1.0 / (2.0 * math.pi * bandwidth * step)  # T/h
-    kept = math.exp(-1.0 / steps)
-    mean = -math.expm1(-1.0 / steps) * steps
-    return Lag(kept, mean - kept, 1.0 - mean)
-
-
-@inlined
-def follow(output: float, before: float, after: float, lag: Lag) -> float:
-    """The output of a lag a step later; before, after: its input then and now."""
-    return lag.kept * output + lag.before * before + lag.after * after
+    return lag_over(1.0 / (2.0 * math.pi * bandwidth * step))
 
 
 @by_type

@@ -6,7 +6,7 @@ piston).
 """
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from twin.kernel import inlined
 
@@ -19,6 +19,13 @@ class Pump(NamedTuple):
     tooth_frequency: float  # z n [Hz]
     ripple: float  # 2 pi B x_m^2/z [m^3]; 0.0 for the mean flow alone
     run_up: float  # from standstill at time 0, at constant acceleration [s]; 0.0: it runs already
+
+
+class RunsUp(Protocol):
+    """What runs up from standstill."""
+
+    @property
+    def run_up(self) -> float: ...
 
 
 def displacement(width: float, module: float, teeth: float, pressure_angle: float) -> float:
@@ -34,7 +41,7 @@ def ripple_volume(width: float, module: float, teeth: float, pressure_angle: flo
 
 
 @inlined
-def speed_ratio(time: float, pump: Pump) -> float:
+def speed_ratio(time: float, pump: RunsUp) -> float:
     """Speed at a time [s] over full speed."""
     return min(1.0, time / pump.run_up) if pump.run_up > 0.0 else 1.0
 
