@@ -1,6 +1,7 @@
 """Direct-operated relief valve: static characteristic, lag, hysteresis, stop, energy, and scipy's Radau."""
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -186,6 +187,6 @@ def test_between_none_and_twice_the_rated_flow_it_opens_shuts_and_converges():
         assert (q[x == 0.0] == 0.0).all()
         assert 0.05 < np.mean(x == 0.0) < 0.95
         ends.append(p[round(0.02 / step) - 1 :: round(0.02 / step)])
-    gaps = [float(np.abs(a - b).max()) for a, b in zip(ends, ends[1:], strict=False)]
+    gaps = [float(np.abs(a - b).max()) for a, b in pairwise(ends)]
     assert gaps[1] < 0.7 * gaps[0]
     assert gaps[2] < 0.7 * gaps[1]

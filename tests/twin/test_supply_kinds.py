@@ -1,4 +1,4 @@
-"""Supplies beside the gear pump: characteristics in closed form, swash plate against scipy's Radau, what a port sees."""
+"""Supplies beside the gear pump: characteristics in closed form, the swash plate against Radau, what a port sees."""
 
 import math
 
