@@ -18,6 +18,7 @@ COMPONENTS = (
     *("neck", "valve_body", "accessory", "counterbalance", "pilot_check", "throttle", "cushion"),
     *("land_law", "land_network", "servo_opening", "servo_spool", "servo_valve"),
     *("lag", "fixed_pump", "variable_pump", "pressure_source", "accumulator", "check_valve", "return_end"),
+    *("stribeck", "lugre", "friction", "table", "environment", "compliant", "lever", "load_slot", "motor", "actuator"),
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (

@@ -9,7 +9,7 @@ import inspect
 import os
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
-from typing import Any, Generic, ParamSpec, TypeVar, get_type_hints
+from typing import Any, Generic, ParamSpec, TypeVar, get_args, get_type_hints
 
 from twin.cache_folder import cache_directory
 from twin.native_code import Entry, Loaded, kept, kinds
@@ -145,19 +145,28 @@ class ByType(Generic[P, R]):
         return chosen_when_compiled(self, self._source, COPIED)
 
     def __call__(self, *arguments: P.args, **_: P.kwargs) -> R:
-        first = arguments[0]
+        return self._variant(arguments[0])(*arguments)
+
+    def py_func(self, *arguments: P.args, **_: P.kwargs) -> R:
+        """The source of the variant, as `interpreted` finds it."""
+        return interpreted(self._variant(arguments[0]))(*arguments)
+
+    def _variant(self, first: Any) -> Callable[..., R]:
         for kind, variant in self._variants.items():
             if isinstance(first, kind) or _names(first) == field_names(kind):
-                return variant(*arguments)
+                return variant
         raise TypeError(f"{self.__name__} is not defined for {first!r}")  # pyright: ignore[reportAttributeAccessIssue]
 
     def register(self, variant: Callable[..., R]) -> Callable[..., R]:
-        """Add the variant for the annotated type of its first argument."""
+        """Add the variant for the annotated type of its first argument, or for each of a union of types."""
         first = next(iter(inspect.signature(variant).parameters))
-        kind = get_type_hints(variant)[first]
-        if any(field_names(kind) == field_names(other) for other in self._variants):
-            raise TypeError(f"{kind.__name__} has the fields of another variant: a record could not tell them apart")
-        self._variants[kind] = inlined(variant)
+        annotated = get_type_hints(variant)[first]
+        for kind in get_args(annotated) or (annotated,):
+            if any(field_names(kind) == field_names(other) for other in self._variants):
+                raise TypeError(
+                    f"{kind.__name__} has the fields of another variant: a record could not tell them apart"
+                )
+            self._variants[kind] = inlined(variant)
         return variant
 
     def _source(self, *arguments: Any) -> Callable[..., Any] | None:

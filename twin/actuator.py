@@ -1,0 +1,209 @@
+"""The slot of the actuator: two chambers that push in opposite directions. Which kind is fitted is known when a step is
+compiled.
+
+`Cylinder`: twin/cylinder.py. `DrainedCylinder`: the same with leaks to the outside, and a barrel that gives way.
+`Motor`: twin/motor.py. The lower chamber is that of port A; its pressure drives in the positive direction. Stored oil S
+of a chamber, p = max(p_v, B ((S - passed)/V - 1)), is changed by what flows in alone, and by leaks.
+"""
+
+from typing import Any, NamedTuple
+
+from twin.cylinder import Chambers, Cylinder
+from twin.kernel import by_type, inlined
+from twin.motor import Motor, displacement_at, passed_oil
+from twin.port import Port
+
+
+class DrainedCylinder(NamedTuple):
+    """A cylinder with leaks to the outside, at the tank's pressure, and an elastic barrel."""
+
+    area_lower: float  # [m^2]
+    area_upper: float
+    dead_lower: float  # [m^3]
+    dead_upper: float
+    stroke: float  # [m]
+    leakage: float  # 1/R [m^3/(s Pa)], across the piston seal
+    outside_lower: float  # 1/R [m^3/(s Pa)], from the chamber to the outside
+    outside_upper: float
+    modulus_lower: float  # B [Pa], of oil and barrel
+    modulus_upper: float
+    vapour_pressure: float  # [Pa], gauge
+
+
+Actuator = Cylinder | DrainedCylinder | Motor
+
+
+@by_type
+def volumes(actuator: Any, position: float) -> Chambers:
+    """Of the chambers [m^3]."""
+    raise TypeError(f"{actuator} is not an actuator")
+
+
+@volumes.register
+def _(actuator: Cylinder | DrainedCylinder, position: float) -> Chambers:
+    return Chambers(
+        actuator.dead_lower + actuator.area_lower * position,
+        actuator.dead_upper + actuator.area_upper * (actuator.stroke - position),
+    )
+
+
+@volumes.register
+def _(actuator: Motor, position: float) -> Chambers:
+    return Chambers(actuator.dead_lower, actuator.dead_upper)
+
+
+@by_type
+def passed(actuator: Any, position: float) -> Chambers:
+    """Oil [m^3] that has left each chamber through the actuator, since the place 0."""
+    raise TypeError(f"{actuator} is not an actuator")
+
+
+@passed.register
+def _(actuator: Cylinder | DrainedCylinder, position: float) -> Chambers:
+    return Chambers(0.0, 0.0)
+
+
+@passed.register
+def _(actuator: Motor, position: float) -> Chambers:
+    through = passed_oil(position, actuator)
+    return Chambers(through, -through)
+
+
+@by_type
+def areas(actuator: Any, position: float) -> Chambers:
+    """Force per pressure [m^2], which is flow per speed."""
+    raise TypeError(f"{actuator} is not an actuator")
+
+
+@areas.register
+def _(actuator: Cylinder | DrainedCylinder, position: float) -> Chambers:
+    return Chambers(actuator.area_lower, actuator.area_upper)
+
+
+@areas.register
+def _(actuator: Motor, position: float) -> Chambers:
+    area = displacement_at(position, actuator)
+    return Chambers(area, area)
+
+
+@by_type
+def moduli(actuator: Any) -> Chambers:
+    """B [Pa] of what each chamber holds, with the walls around it."""
+    raise TypeError(f"{actuator} is not an actuator")
+
+
+@moduli.register
+def _(actuator: Cylinder | Motor) -> Chambers:
+    return Chambers(actuator.bulk_modulus, actuator.bulk_modulus)
+
+
+@moduli.register
+def _(actuator: DrainedCylinder) -> Chambers:
+    return Chambers(actuator.modulus_lower, actuator.modulus_upper)
+
+
+@by_type
+def outside(actuator: Any) -> Chambers:
+    """Flow per pressure [m^3/(s Pa)] from each chamber to the outside or the case."""
+    raise TypeError(f"{actuator} is not an actuator")
+
+
+@outside.register
+def _(actuator: Cylinder) -> Chambers:
+    return Chambers(0.0, 0.0)
+
+
+@outside.register
+def _(actuator: DrainedCylinder | Motor) -> Chambers:
+    return Chambers(actuator.outside_lower, actuator.outside_upper)
+
+
+@by_type
+def widening(actuator: Any) -> float:
+    """1.0 where oil fills the volume that the piston opens, at its pressure; 0.0 where it passes at no pressure's."""
+    raise TypeError(f"{actuator} is not an actuator")
+
+
+@widening.register
+def _(actuator: Cylinder | DrainedCylinder) -> float:
+    return 1.0
+
+
+@widening.register
+def _(actuator: Motor) -> float:
+    return 0.0
+
+
+@inlined
+def chamber_pressures(stored: Chambers, position: float, actuator: Any) -> Chambers:
+    """p = max(p_v, B ((S - passed)/V - 1)) [Pa]."""
+    volume, gone, b = volumes(actuator, position), passed(actuator, position), moduli(actuator)
+    return Chambers(
+        max(actuator.vapour_pressure, b.lower * ((stored.lower - gone.lower) / volume.lower - 1.0)),
+        max(actuator.vapour_pressure, b.upper * ((stored.upper - gone.upper) / volume.upper - 1.0)),
+    )
+
+
+@inlined
+def chamber_cavities(stored: Chambers, position: float, actuator: Any) -> Chambers:
+    """Vapour [m^3] in each chamber."""
+    volume, gone, b = volumes(actuator, position), passed(actuator, position), moduli(actuator)
+    return Chambers(
+        max(0.0, volume.lower * (1.0 + actuator.vapour_pressure / b.lower) - (stored.lower - gone.lower)),
+        max(0.0, volume.upper * (1.0 + actuator.vapour_pressure / b.upper) - (stored.upper - gone.upper)),
+    )
+
+
+@inlined
+def stored_oil(pressures: Chambers, position: float, actuator: Any) -> Chambers:
+    """The oil [m^3] that makes these pressures [Pa]."""
+    volume, gone, b = volumes(actuator, position), passed(actuator, position), moduli(actuator)
+    return Chambers(
+        volume.lower * (1.0 + pressures.lower / b.lower) + gone.lower,
+        volume.upper * (1.0 + pressures.upper / b.upper) + gone.upper,
+    )
+
+
+@inlined
+def drive(p: Chambers, position: float, actuator: Any) -> float:
+    """Force of the oil on the piston [N], (2.10)."""
+    area = areas(actuator, position)
+    return area.lower * p.lower - area.upper * p.upper
+
+
+@inlined
+def fill_chambers(
+    stored: Chambers, p: Chambers, inflow: Chambers, lower: Port, upper: Port, position: float, actuator: Any,
+    step: float,
+) -> tuple[Chambers, Chambers, float]:  # fmt: skip
+    """Stored oil and pressures a step [s] later, the piston then at a position [m], and oil lost to the outside [m^3].
+
+    Trapezoidal rule. p, inflow: pressures and flows from the lines at the start. Ports of the lines at the end. Each
+    chamber's C p + h/2 ((p - c)/Z + leaks) = S* - passed - V is linear, and has one answer with p >= p_v.
+    """
+    half, vapour, volume = 0.5 * step, actuator.vapour_pressure, volumes(actuator, position)
+    gone, b, out = passed(actuator, position), moduli(actuator), outside(actuator)
+    leak = actuator.leakage * (p.lower - p.upper)
+    g = half * actuator.leakage
+    a_l = volume.lower / b.lower + half / lower.impedance + g + half * out.lower
+    a_u = volume.upper / b.upper + half / upper.impedance + g + half * out.upper
+    s_l = stored.lower + half * (inflow.lower - leak - out.lower * p.lower)
+    s_u = stored.upper + half * (inflow.upper + leak - out.upper * p.upper)
+    r_l = s_l - volume.lower + half * lower.free / lower.impedance - gone.lower
+    r_u = s_u - volume.upper + half * upper.free / upper.impedance - gone.upper
+    determinant = a_l * a_u - g * g
+    p_l, p_u = (a_u * r_l + g * r_u) / determinant, (a_l * r_u + g * r_l) / determinant
+    if p_l < vapour or p_u < vapour:
+        if p_u <= p_l:
+            p_u = vapour
+            p_l = max(vapour, (r_l + g * vapour) / a_l)
+        else:
+            p_l = vapour
+            p_u = max(vapour, (r_u + g * vapour) / a_u)
+    leak = actuator.leakage * (p_l - p_u)
+    then = Chambers(
+        s_l + half * ((lower.free - p_l) / lower.impedance - leak - out.lower * p_l),
+        s_u + half * ((upper.free - p_u) / upper.impedance + leak - out.upper * p_u),
+    )
+    lost = half * (out.lower * (p.lower + p_l) + out.upper * (p.upper + p_u))
+    return then, Chambers(p_l, p_u), lost
