@@ -56,7 +56,7 @@ class Inputs(NamedTuple):
     low: NDArray[np.float64]
     lsb: NDArray[np.float64]  # resolution
     high: NDArray[np.float64]  # the greatest value that can be read
-    noise: float  # [LSB rms]
+    noise: NDArray[np.float64]  # of each [LSB rms]
     quantise: bool
     clip: bool
 
@@ -65,7 +65,8 @@ def inputs_of(daq: Any, chosen: Mapping[str, Sensor]) -> Inputs:
     """The further channels that a section of settings describes."""
     ends = np.array([sensor.ends(daq) for sensor in chosen.values()])
     lsb = (ends[:, 1] - ends[:, 0]) / 2.0**daq.bits
-    return Inputs(ends[:, 0], lsb, ends[:, 1] - lsb, float(daq.noise), bool(daq.quantise), bool(daq.clip))
+    noise = np.full(len(lsb), float(daq.noise))
+    return Inputs(ends[:, 0], lsb, ends[:, 1] - lsb, noise, bool(daq.quantise), bool(daq.clip))
 
 
 def own_noise_block(seed: int, block: int, names: Iterable[str]) -> NDArray[np.float64]:

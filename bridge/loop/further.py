@@ -23,6 +23,7 @@ class FurtherChannels:
         self._seed = scenario.seed
         self._sensing = Sensing(self._names, plant)
         self._inputs = inputs_of(scenario.daq, sensors)
+        self._offset = np.zeros(len(self._names))  # of the transducers
         self._number, self._noise = 0, own_noise_block(scenario.seed, 0, self._names)
 
     def read(self, tick: int, state: Array, seen: Array, taps: Array) -> Array:
@@ -30,7 +31,12 @@ class FurtherChannels:
         number, row = divmod(tick, NOISE_ROWS)
         if number != self._number:
             self._number, self._noise = number, own_noise_block(self._seed, number, self._names)
-        return convert_all(self._sensing.read(state, seen, taps), self._noise[row], self._inputs)
+        return convert_all(self._sensing.read(state, seen, taps) + self._offset, self._noise[row], self._inputs)
+
+    def tune(self, channel: str, what: str, value: float) -> None:
+        """From now on: the `offset` [SI] of a channel's transducer, or its `noise` [LSB rms]."""
+        target = self._offset if what == "offset" else self._inputs.noise
+        target[self._names.index(channel)] = value
 
 
 def further_channels(scenario: Scenario, plant: Compiled) -> FurtherChannels | None:

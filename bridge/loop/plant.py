@@ -15,11 +15,11 @@ from bridge.loop.further import further_channels, message
 from bridge.loop.inlet import SAFE, Inlet, Note
 from bridge.loop.line_profiles import LineProfiles
 from bridge.loop.live_reference import LiveReference
-from bridge.loop.plant_tuning import PlantTuning
+from bridge.loop.plant_tuning import PlantTuning, Tune
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.scenario.references import Live
-from bridge.scenario.tunable import REFERENCE, Tunable
+from bridge.scenario.tunable import FURTHER, REFERENCE, SENSOR, Tunable
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
 from bridge.wire.events import silence
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, EventKind, Outgoing, Reason, of_tap
@@ -51,7 +51,7 @@ class PlantSide:
         self._further = further_channels(scenario, self._circuit)
         self._observed = np.zeros(len(OBSERVED))
         self._lines = LineProfiles(run_id, self._circuit)
-        self._tuning = PlantTuning(scenario, self._circuit, self._state, self._acquisition, self._tell)
+        self._tuning = PlantTuning(scenario, self._circuit, self._state, self._transducers(), self._tell)
         self._live = LiveReference(scenario.reference) if isinstance(scenario.reference, Live) else None
         self._reference = SAFE  # that acts on the spool
         self._run(SAFE, 0)
@@ -161,6 +161,11 @@ class PlantSide:
             self.inlet.note(EventKind.MISSED, silence(self.inlet.answered + 1))
         self.inlet.note(EventKind.ENDED, text)
         return self._drain()
+
+    def _transducers(self) -> dict[str, Tune]:
+        """Who changes the transducers of the card, by the beginning of their numbers' names."""
+        further = {} if self._further is None else {FURTHER: self._further.tune}
+        return {SENSOR: self._acquisition.tune, **further}
 
     def _run(self, reference: float, steps: int) -> None:
         daq = self.scenario.daq

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.loop.acquisition import Acquisition
 from bridge.loop.altered_rig import AlteredRig
 from bridge.scenario import Scenario
 from bridge.scenario.courses import course_of, courses_of, to_be
@@ -23,7 +22,7 @@ from controller.grid import NS, next_sample
 from twin.circuit.block import Compiled
 
 RIG = "rig."
-SENSOR = "sensor."
+Tune = Callable[[str, str, float], None]  # takes a channel, what of its transducer, and the value
 DEAR = ("rig.oil.", "rig.relief.setting")  # take some 40 ms to build
 STAIR = NS // 10  # of these [ns]
 TOLD = 100  # changes by one entry of the timeline that are recorded one by one
@@ -34,13 +33,19 @@ class PlantTuning:
     """Changes of a plant that runs."""
 
     def __init__(
-        self, scenario: Scenario, plant: Compiled, state: NDArray[np.float64], acquisition: Acquisition, tell: Told
+        self,
+        scenario: Scenario,
+        plant: Compiled,
+        state: NDArray[np.float64],
+        transducers: Mapping[str, Tune],
+        tell: Told,
     ) -> None:
+        """transducers: who changes those whose numbers begin so."""
         self._scenario = scenario
         self._grid = scenario.loop.grid()
         self._plant = plant
         self._state = state
-        self._acquisition = acquisition
+        self._transducers = transducers
         self._tell = tell
         self._rig = AlteredRig(scenario)
         self._items = plan(scenario)
@@ -78,12 +83,13 @@ class PlantTuning:
     def sense(self, now: int) -> None:
         """Before a scan: change the sensors."""
         for name, course in self._courses.items():
-            if name.startswith(SENSOR):
+            group, _, rest = name.partition(".")
+            if group in self._transducers:
                 value = course.at(now).value
                 if value != self._values.get(name, self.target(name).value):
                     self._values[name] = value
-                    _, channel, what = name.split(".")
-                    self._acquisition.tune(channel, what, value)
+                    channel, what = rest.split(".")
+                    self._transducers[group](channel, what, value)
 
     def watch(self, now: int, signal: Callable[[str], float]) -> None:
         """After a scan: tell of what has begun, and begin what waited for a signal."""

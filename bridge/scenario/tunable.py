@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bridge.errors import LIKENESS, ScenarioError
+from bridge.scenario.channels import chosen
 from bridge.scenario.controllers import parameter_in_si
 from bridge.scenario.fields import Gain, Measured
 from bridge.scenario.gains import scale_of
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 REFERENCE = "reference"
 SUCH = ("rig.load.force", "sensor.p2.offset", "controller.gain", REFERENCE)
+SENSOR, FURTHER = "sensor", "channel"  # transducers of the card's own channels, and of further ones
 PLANT, CONTROLLER = "plant", "controller"
 
 
@@ -144,8 +146,14 @@ def _of_rig(scenario: "Scenario") -> Iterator[Tunable]:
 def _of_sensors(scenario: "Scenario") -> Iterator[Tunable]:
     for name, channel in CHANNELS.items():
         span = float(getattr(scenario.daq, channel.span))
-        yield Tunable(f"sensor.{name}.offset", channel.unit, PLANT, 0.0, -span, span, "added to the true value")
-        yield Tunable(f"sensor.{name}.noise", "", PLANT, scenario.daq.noise, 0.0, None, "LSB rms")
+        yield from _of_transducer(f"{SENSOR}.{name}", channel.unit, span, scenario)
+    for name, sensor in chosen(scenario).items():
+        yield from _of_transducer(f"{FURTHER}.{name}", sensor.unit, sensor.ends(scenario.daq)[1], scenario)
+
+
+def _of_transducer(name: str, unit: str, span: float, scenario: "Scenario") -> Iterator[Tunable]:
+    yield Tunable(f"{name}.offset", unit, PLANT, 0.0, -span, span, "added to the true value")
+    yield Tunable(f"{name}.noise", "", PLANT, scenario.daq.noise, 0.0, None, "LSB rms")
 
 
 def _of_controller(scenario: "Scenario") -> Iterator[Tunable]:

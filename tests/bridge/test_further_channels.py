@@ -115,6 +115,25 @@ def test_the_noise_of_a_channel_is_its_own():
     assert abs(np.corrcoef(noise)[0, 1]) < 0.15  # of 1101 samples, five times its own spread
 
 
+def test_the_timeline_makes_a_transducer_drift_and_rattle(tmp_path: Path):
+    """A replay into the plant does, too; the others keep their bytes."""
+    entries = [
+        {"set": "channel.force.offset", "at": 0.1, "to": "2 kN"},
+        {"set": "channel.p_pump.noise", "at": 0.2, "to": 50},
+    ]
+    asked = scenario("daq.noise=0", "daq.quantise=false", f"timeline={json.dumps(entries)}")
+    run, plain = record_in_process(asked, tmp_path / "a.mcap"), run_in_memory(scenario(*BARE[:2], "daq.clip=true"))
+    read_, true = run.columns("channels"), plain.columns("channels")
+    apart = {name: read_[name] - true[name] for name in CHOSEN}
+    assert apart["force"] == pytest.approx(np.where(read_["stamp"] < 10**8, 0.0, 2e3), abs=1e-9)
+    noise, lsb = apart["p_pump"], 250e5 / 4096
+    assert set(noise[:200]) == {0.0}
+    assert np.std(noise[200:] / lsb) == pytest.approx(50.0, rel=0.25)  # 101 samples: 7 % each way
+    assert {*apart["flow_3"], *apart["acceleration"], *apart["spool"]} == {0.0}
+    verdict = replay_through(run.path, Through("plant", tmp_path / "b.mcap", alone=True))
+    assert {difference.greatest for difference in verdict.differences} == {0.0}
+
+
 def test_a_run_without_them_has_none(tmp_path: Path):
     record_in_process(load("step", ["duration=0.02"]), tmp_path / "a.mcap")
     found = read(tmp_path / "a.mcap")
