@@ -59,7 +59,7 @@ def find_law(name: str) -> ControlLaw:
         answer: Any = checked(linear, name, place)
         answer.system = linear.system
         return ControlLaw(answer)
-    hooks = {hook: told(getattr(loaded, hook, None), f"{name}: {hook}", place) for hook in HOOKS}
+    hooks: Any = {hook: told(getattr(loaded, hook, None), f"{name}: {hook}", place) for hook in HOOKS}
     return ControlLaw(checked(law, name, place), **hooks, prepare=_prepared(loaded, place), name=name)
 
 
