@@ -24,7 +24,7 @@ from twin.circuit.state import (
 from twin.circuit.step import Circuit
 from twin.cylinder import chamber_volumes
 from twin.rig import values
-from twin.topology import OBSERVED
+from twin.topology import ENDS, OBSERVED
 
 Array = NDArray[np.float64]
 BAR = 1e5
@@ -84,7 +84,7 @@ def energy(s: State, c: Circuit) -> float:
     the scheme keeps is their product.
     """
     lines, cylinder = c.lines, c.parts.cylinder
-    p = s.ends.pressure.reshape(6, 2)
+    p = s.ends.pressure[: len(ENDS)].reshape(-1, 2)
     after = s.memory[lines.lumped_place + FLOW]
     before = after - c.parts.step / lines.inertance * (p[:, 0] - p[:, 1])
     oil = float((0.25 * lines.capacity * (p**2).sum(axis=1) + 0.5 * lines.inertance * after * before).sum())

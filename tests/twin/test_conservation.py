@@ -80,11 +80,11 @@ def oil_by_pressure(s: State, c: Circuit) -> float:
     chambers = sum(stored_oil(Chambers(p.lower, p.upper), x, cylinder)) - sum(
         chamber_cavities(s.core.chambers, x, cylinder)
     )
-    lines = float((c.lines.capacity * s.ends.pressure.reshape(6, 2).mean(axis=1)).sum())
+    lines = float((c.lines.capacity * s.ends.pressure[:12].reshape(6, 2).mean(axis=1)).sum())
     cavities = s.ends.cavity.sum() + sum(inner_cavity(c.lines, s.memory, line) for line in range(6))
     lumped = np.repeat(c.lines.model == LUMPED, 2)
     lumped[[LOWER, UPPER]] = False
-    return chambers + lines - float(cavities) + 0.5 * c.parts.step * float(s.ends.flow[lumped].sum())
+    return chambers + lines - float(cavities) + 0.5 * c.parts.step * float(s.ends.flow[:12][lumped].sum())
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -98,7 +98,7 @@ def test_no_line_gives_more_work_than_it_has_taken(model: str):
         pressure += [each.ends.pressure - start.ends.pressure for each in seen]
         flow += [each.ends.flow for each in seen]
         s = seen[-1]
-    power = (np.array(pressure) * np.array(flow)).reshape(len(flow), 6, 2)
+    power = (np.array(pressure) * np.array(flow)).reshape(len(flow), -1, 2)[:, :6]
     work = c.parts.step * power.sum(axis=2).cumsum(axis=0)
     turned = c.parts.step * np.abs(power).sum(axis=(0, 2))
     assert (turned > 1.0).all()  # [J]
