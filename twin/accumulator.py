@@ -43,6 +43,25 @@ class Accumulator(NamedTuple):
     linear: float  # b [Pa s/m^3]
 
 
+AnyAccumulator = Accumulator | NoAccumulator
+
+
+@by_type
+def is_fitted(accumulator: Any) -> bool:
+    """Is there one?"""
+    raise TypeError(f"{accumulator} is not an accumulator")
+
+
+@is_fitted.register
+def _(accumulator: NoAccumulator) -> bool:
+    return False
+
+
+@is_fitted.register
+def _(accumulator: Accumulator) -> bool:
+    return True
+
+
 @inlined
 def gas_pressure(oil: float, accumulator: Accumulator) -> float:
     """p_g [Pa], gauge, with some oil [m^3] in it."""
@@ -57,7 +76,6 @@ def gas_stiffness(oil: float, accumulator: Accumulator) -> float:
     return accumulator.exponent * absolute / (accumulator.volume - oil)
 
 
-@inlined
 def oil_at_rest(pressure: float, accumulator: Accumulator) -> float:
     """S [m^3] at a steady pressure [Pa], the gas on its polytrope."""
     if pressure <= accumulator.precharge:
@@ -74,20 +92,30 @@ def gas_energy(oil: float, accumulator: Accumulator) -> float:
     return (accumulator.precharge + ATMOSPHERE) * v_0 * work - ATMOSPHERE * oil
 
 
-@by_type
-def begin_accumulator(accumulator: Any, pressure: float, brought: float, memory: NDArray) -> None:
+def begin_accumulator(accumulator: AnyAccumulator, pressure: float, brought: float, memory: NDArray) -> None:
     """At rest at a pressure [Pa]; brought: flow of the others into the place [m^3/s]."""
+    if isinstance(accumulator, Accumulator):
+        memory[OIL], memory[FLOW], memory[BROUGHT] = oil_at_rest(pressure, accumulator), 0.0, brought
+
+
+@by_type
+def gas_capacity(accumulator: Any, pressure: float) -> float:
+    """Oil per pressure [m^3/Pa] at a steady pressure [Pa] beyond its inlet; 0.0 while it is shut."""
     raise TypeError(f"{accumulator} is not an accumulator")
 
 
-@begin_accumulator.register
-def _(accumulator: NoAccumulator, pressure: float, brought: float, memory: NDArray) -> None:
-    pass
+@gas_capacity.register
+def _(accumulator: NoAccumulator, pressure: float) -> float:
+    return 0.0
 
 
-@begin_accumulator.register
-def _(accumulator: Accumulator, pressure: float, brought: float, memory: NDArray) -> None:
-    memory[OIL], memory[FLOW], memory[BROUGHT] = oil_at_rest(pressure, accumulator), 0.0, brought
+@gas_capacity.register
+def _(accumulator: Accumulator, pressure: float) -> float:
+    if pressure <= accumulator.precharge:
+        return 0.0
+    ratio = (accumulator.precharge + ATMOSPHERE) / (pressure + ATMOSPHERE)
+    gas = accumulator.volume * ratio ** (1.0 / accumulator.exponent)
+    return gas / (accumulator.exponent * (pressure + ATMOSPHERE))
 
 
 @by_type
@@ -114,22 +142,28 @@ def _(accumulator: Accumulator, rest: Port, memory: NDArray, oil: Oil, step: flo
 
 
 @by_type
-def fill_accumulator(accumulator: Any, rest: Port, brought: float, memory: NDArray, oil: Oil, step: float) -> float:
-    """Flow [m^3/s] into it, counted in its memory; brought: flow of the others into the place."""
+def taken(accumulator: Any, rest: Port, brought: float, memory: NDArray, oil: Oil, step: float) -> float:
+    """Flow [m^3/s] into it, not yet counted; brought: flow of the others into the place."""
     raise TypeError(f"{accumulator} is not an accumulator")
 
 
-@fill_accumulator.register
+@taken.register
 def _(accumulator: NoAccumulator, rest: Port, brought: float, memory: NDArray, oil: Oil, step: float) -> float:
     return 0.0
 
 
-@fill_accumulator.register
+@taken.register
 def _(accumulator: Accumulator, rest: Port, brought: float, memory: NDArray, oil: Oil, step: float) -> float:
-    stored = memory[OIL]
-    q = drawn(accumulator, rest, brought, stored, oil, step)
-    memory[OIL] = stored + step * q if q > -stored / step else 0.0
-    memory[FLOW], memory[BROUGHT] = q, brought
+    return drawn(accumulator, rest, brought, memory[OIL], oil, step)
+
+
+@inlined
+def fill_accumulator(accumulator: Any, rest: Port, brought: float, memory: NDArray, oil: Oil, step: float) -> float:
+    """The same, counted in its memory."""
+    q = taken(accumulator, rest, brought, memory, oil, step)
+    if is_fitted(accumulator):
+        memory[OIL] = memory[OIL] + step * q if q > -memory[OIL] / step else 0.0
+        memory[FLOW], memory[BROUGHT] = q, brought
     return q
 
 

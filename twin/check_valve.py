@@ -22,6 +22,25 @@ class CheckValve(NamedTuple):
     cracking_pressure: float  # p_c [Pa]
 
 
+AnyCheck = CheckValve | NoCheck
+
+
+@by_type
+def is_check(check: Any) -> bool:
+    """Is there one?"""
+    raise TypeError(f"{check} is not a check valve")
+
+
+@is_check.register
+def _(check: NoCheck) -> bool:
+    return False
+
+
+@is_check.register
+def _(check: CheckValve) -> bool:
+    return True
+
+
 @by_type
 def passes(check: Any, tee: float, behind: Port) -> bool:
     """Is it open? tee: pressure [Pa] that the tee has with it shut; behind: line 2 through the fittings."""
@@ -52,3 +71,24 @@ def _(check: NoCheck, behind: Port) -> Port:
 @before_check.register
 def _(check: CheckValve, behind: Port) -> Port:
     return Port(behind.free + check.cracking_pressure, behind.impedance)
+
+
+@by_type
+def cracking_drop_of(check: Any) -> float:
+    """Pressure [Pa] that is lost while it is open."""
+    raise TypeError(f"{check} is not a check valve")
+
+
+@cracking_drop_of.register
+def _(check: NoCheck) -> float:
+    return 0.0
+
+
+@cracking_drop_of.register
+def _(check: CheckValve) -> float:
+    return check.cracking_pressure
+
+
+def cracking_drop(check: AnyCheck) -> float:
+    """The same for Python alone."""
+    return check.cracking_pressure if isinstance(check, CheckValve) else 0.0

@@ -32,6 +32,30 @@ class CheckedEnd(NamedTuple):
     linear: float  # b [Pa s/m^3]
 
 
+AnyEnd = OpenEnd | OrificeEnd | CheckedEnd
+
+
+@by_type
+def is_open_end(end: Any) -> bool:
+    """Is the end of the line at the pressure of the tank?"""
+    raise TypeError(f"{end} is not an end of the return line")
+
+
+@is_open_end.register
+def _(end: OpenEnd) -> bool:
+    return True
+
+
+@is_open_end.register
+def _(end: OrificeEnd) -> bool:
+    return False
+
+
+@is_open_end.register
+def _(end: CheckedEnd) -> bool:
+    return False
+
+
 @by_type
 def return_flow(end: Any, port: Port, oil: Oil) -> float:
     """Q [m^3/s] into the line, so below 0 as a rule; port: of the line's end, its cavity folded in."""
@@ -95,3 +119,12 @@ def _(end: OrificeEnd, flow: float) -> float:
 @return_slope.register
 def _(end: CheckedEnd, flow: float) -> float:
     return 2.0 * end.quadratic * abs(flow) + end.linear
+
+
+def steady_end(end: AnyEnd, flow: float, held: float) -> float:
+    """Pressure [Pa] at the line's end at a steady flow [m^3/s] to the tank; held: in the line while nothing flows."""
+    if isinstance(end, OpenEnd):
+        return 0.0
+    if isinstance(end, CheckedEnd) and flow <= 0.0:
+        return min(held, end.cracking_pressure)
+    return return_drop(end, flow)

@@ -77,8 +77,48 @@ RIG: dict[str, dict[str, Entry]] = {
         "run_up": Number(0.0, "s", "assumed: time from standstill to full speed at the start; 0: it runs already"),
         "ripple": Choice("teeth", ("teeth", "none"), "(2.104); none: the mean flow"),
     },
+    "supply": {
+        "kind": Choice(
+            "gear",
+            ("gear", "fixed", "variable", "pressure"),
+            "2.6: pump; fixed: fixed_pump; variable: variable_pump, pressure-compensated; pressure: pressure_source",
+        ),
+    },
+    "fixed_pump": {
+        "displacement": Number(20e-6, "m^3", "assumed, per revolution", TINY),
+        "speed": Number(25.0, "1/s", "assumed"),
+        "leakage": Number(1e-12, "m^3/(s Pa)", "assumed, to the tank, in proportion to pressure"),
+        "run_up": Number(0.0, "s", "assumed: time from standstill to full speed at the start; 0: it runs already"),
+    },
+    "variable_pump": {
+        "displacement": Number(28e-6, "m^3", "assumed, the greatest, per revolution", TINY),
+        "least_displacement": Number(0.0, "m^3", "assumed, the least, per revolution"),
+        "speed": Number(25.0, "1/s", "assumed"),
+        "leakage": Number(3e-12, "m^3/(s Pa)", "assumed, to the tank, in proportion to pressure"),
+        "cut_off": Number(200e5, "Pa", "assumed: pressure from which the swash plate swings back", TINY),
+        "droop": Number(4e5, "Pa", "assumed: rise of pressure from there to the least displacement", 1.0),
+        "time_constant": Number(20e-3, "s", "assumed, of swash plate and compensator, first order"),
+        "run_up": Number(0.0, "s", "assumed: time from standstill to full speed at the start; 0: it runs already"),
+    },
+    "pressure_source": {
+        "pressure": Number(210e5, "Pa", "assumed, at no flow", TINY),
+        "resistance": Number(6e8, "Pa s/m^3", "assumed, internal: 0.1 bar per l/min", 1e6),
+        "run_up": Number(0.0, "s", "assumed: time from no pressure to all of it at the start; 0: it is there"),
+    },
+    "accumulator": {
+        "kind": Choice("none", ("none", "bladder"), "2.2.1 has none; bladder: gas behind oil"),
+        "at": Choice("tee", ("tee", "p"), "assumed: at the tee of the relief valve, or at port P"),
+        "volume": Number(2.5e-3, "m^3", "assumed, of the gas, bladder expanded", TINY),
+        "precharge": Number(90e5, "Pa", "assumed, of the gas then", 0.0),
+        "exponent": Number(1.4, "", "polytropic: 1 for slow changes, about 1.4 for fast ones of nitrogen", 1.0, 3.0),
+        "inlet_diameter": Number(8e-3, "m", "assumed, orifice between bladder and line", TINY),
+        "inlet_discharge": Number(0.7, "", "assumed", TINY),
+        "inlet_transition": Number(9.33, "", "2.4, transition Reynolds number"),
+    },
     "relief": {
-        "kind": Choice("two-stage", ("two-stage", "none"), "2.4; none: the tee has no valve"),
+        "kind": Choice(
+            "two-stage", ("two-stage", "direct", "none"), "2.4; direct: direct_relief; none: the tee has no valve"
+        ),
         "place": Choice("tee", ("tee", "pipe_7"), "2.2.1; pipe_7: at the end of a line of its own"),
         "setting": Number(67e5, "Pa", "2.6; the pilot spring is precompressed for it", TINY),
         "setting_flow": Number(26.7e-3 / 60.0, "m^3/s", "2.6, the flow it was set at: all of the pump's", TINY),
@@ -115,6 +155,14 @@ RIG: dict[str, dict[str, Entry]] = {
         "film_floor": Number(5e-6, "m", "assumed: lift below which its squeeze film grows no stiffer", TINY),
         "channel_volume": Number(0.0, "m^3", "oil before the pilot seat; 0: incompressible, as in the thesis"),
     },
+    "direct_relief": {
+        "cracking_pressure": Number(100e5, "Pa", "assumed, at rising pressure", TINY),
+        "rated_flow": Number(30e-3 / 60.0, "m^3/s", "assumed, where the override is stated", TINY),
+        "override": Number(8e5, "Pa", "assumed: rise of pressure from cracking to the rated flow", 1.0),
+        "flow_force_share": Number(0.6, "", "assumed, of the override; the rest is the spring", 0.0, 1.0),
+        "hysteresis": Number(0.0, "Pa", "assumed: how much lower it shuts than it cracks"),
+        "time_constant": Number(5e-3, "s", "assumed, of the opening, first order"),
+    },
     "chatter": {
         "volume": Number(2.356e-4, "m^3", "4.2.1, before the pilot: 3 m of a pipe of 10 mm", TINY),
         "modulus": Number(1.55e9, "Pa", "4.2.1, reduced; 1.135e9 measured in 2.2.3", TINY),
@@ -131,6 +179,23 @@ RIG: dict[str, dict[str, Entry]] = {
     "two_position_valve": {
         "drop": Number(0.5e5, "Pa", "assumed, at its flow, as its square"),
         "flow": Number(30e-3 / 60.0, "m^3/s", "assumed", TINY),
+    },
+    "check_valve": {
+        "kind": Choice("none", ("none", "fitted"), "2.2.1 has none; fitted: in line 2, behind the filter"),
+        "cracking_pressure": Number(0.5e5, "Pa", "assumed"),
+        "drop": Number(1e5, "Pa", "assumed, beyond cracking, at its flow, as its square"),
+        "flow": Number(30e-3 / 60.0, "m^3/s", "assumed", TINY),
+    },
+    "return_end": {
+        "kind": Choice(
+            "open",
+            ("open", "orifice", "check"),
+            "of line 6, at the tank; check: a back-pressure check valve with the orifice in series",
+        ),
+        "diameter": Number(12e-3, "m", "assumed, of the orifice", TINY),
+        "discharge": Number(0.67, "", "assumed", TINY),
+        "transition": Number(9.33, "", "2.4, transition Reynolds number; 0: turbulent at any flow"),
+        "cracking_pressure": Number(3e5, "Pa", "assumed, of the check valve"),
     },
     "valve": {
         "kind": Choice("proportional", ("proportional", "switching"), "2.2.1: 4WRAE 10 E 30 or 4WE 10 G"),
@@ -206,6 +271,7 @@ RIG: dict[str, dict[str, Entry]] = {
 }
 
 PIPES_BUILT = [f"pipe_{i}.{name}" for i in range(1, 8) for name in ("length", "diameter", "wall", "young")]
+STARTING = ("pump", "fixed_pump", "variable_pump", "pressure_source")
 BUILT_IN = {  # numbers that stay while the rig runs: why
     **dict.fromkeys(("oil.density", "oil.vapour_pressure"), "the oil in the circuit is counted by it"),
     **dict.fromkeys(("load.added", "load.added_at", "load.contact_time"), "change load.mass or load.force instead"),
@@ -214,7 +280,12 @@ BUILT_IN = {  # numbers that stay while the rig runs: why
     **dict.fromkeys(PIPES_BUILT, "it is the rig's geometry"),
     "valve.full_scale": "the volts of the controller's gains are counted by it",
     **dict.fromkeys(("pump.width", "pump.module", "pump.teeth", "pump.pressure_angle"), "it is the rig's geometry"),
-    "pump.run_up": "it says how the run starts",
+    **dict.fromkeys((f"{name}.run_up" for name in STARTING), "it says how the run starts"),
+    **dict.fromkeys(
+        ("fixed_pump.displacement", "variable_pump.displacement", "variable_pump.least_displacement"),
+        "it is the rig's geometry",
+    ),
+    **dict.fromkeys(("accumulator.volume", "accumulator.exponent"), "the gas in it is counted by it"),
     "relief.channel_volume": "it is the rig's geometry",
     **{f"chatter.{name}": "only the valve's theory reads it" for name in RIG["chatter"]},
 }

@@ -6,14 +6,11 @@ from typing import Any, NamedTuple
 from bridge.scenario.circuit import circuit_of, rest_of, supply_of
 from bridge.scenario.model import Scenario
 from bridge.scenario.reach import reference_warnings
-from bridge.scenario.relief_swing import in_numbers, swing_of
+from bridge.scenario.supply_facts import Fact, relief_facts, supply_facts
 from bridge.scenario.timeline import Happening, plan
 from bridge.scenario.units import SHOWN, UNITS
-from twin.circuit.equilibrium import SupplyAtRest
 from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.step import Circuit
-from twin.relief.poppet import cracking_pressure
-from twin.relief.valve import Relief
 from twin.rig import RIG, Choice, Entry
 from twin.topology import PIPES
 
@@ -43,13 +40,6 @@ class Happens(NamedTuple):
 
     when: str
     what: str
-
-
-class Fact(NamedTuple):
-    """Something that follows from the values."""
-
-    what: str
-    value: str
 
 
 def values_of(scenario: Scenario) -> list[Value]:
@@ -99,21 +89,8 @@ def facts(scenario: Scenario) -> list[Fact]:
     rest_of(scenario)
     oil = circuit.parts.oil
     found = [Fact("oil: viscosity, bulk modulus", f"{oil.viscosity * 1e6:.4g} mm^2/s, {oil.bulk_modulus:.4g} Pa")]
-    found += _supply_facts(circuit, supply_of(scenario))
-    if isinstance(circuit.parts.relief, Relief):
-        found += _relief_facts(circuit, scenario)
+    found += [*supply_facts(circuit, supply_of(scenario)), *relief_facts(circuit, scenario)]
     return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario), *_channel_facts(scenario)]
-
-
-def _supply_facts(circuit: Circuit, supply: SupplyAtRest) -> list[Fact]:
-    pump = circuit.parts.supply
-    teeth = [Fact("pump: frequency of the teeth", f"{pump.tooth_frequency:.4g} Hz")] if pump.ripple > 0.0 else []
-    at_rest = f"p1 = {supply.tee / 1e5:.4g} bar, {supply.relieved * 6e4:.4g} l/min over the relief valve"
-    return [
-        Fact("pump: mean flow at no pressure", f"{pump.delivery * 6e4:.4g} l/min"),
-        *teeth,
-        Fact("supply with the valve at rest", at_rest),
-    ]
 
 
 def _load_facts(circuit: Circuit) -> list[Fact]:
@@ -135,22 +112,6 @@ def _line_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
 def _channel_facts(scenario: Scenario) -> list[Fact]:
     names = ", ".join(scenario.daq.channels)
     return [Fact("card: further channels", names)] if names else []
-
-
-def _relief_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
-    pilot, main = circuit.parts.relief.pilot, circuit.parts.relief.main
-    found = swing_of(scenario)
-    words = "relief valve: its pilot oscillates by itself (linear theory)"
-    swinging = [] if found is None else [Fact(words, in_numbers(found))]
-    return [
-        *swinging,
-        Fact("relief valve: cracking pressure", f"{cracking_pressure(pilot) / 1e5:.4g} bar"),
-        Fact("relief valve: pilot, spool without oil", f"{_hertz(pilot):.4g} Hz, {_hertz(main):.4g} Hz"),
-    ]
-
-
-def _hertz(stage: Any) -> float:
-    return math.sqrt(stage.stiffness / stage.mass) / (2.0 * math.pi)
 
 
 def step_rows(scenario: Scenario) -> list[tuple[str, str, str, str]]:

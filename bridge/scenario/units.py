@@ -25,6 +25,11 @@ UNITS: dict[str, dict[str, Unit]] = {
     "m^3/s": {"m^3/s": Unit(1.0), "l/min": Unit(1e-3 / MINUTE), "l/s": Unit(1e-3)},
     "Pa": {"Pa": Unit(1.0), "kPa": Unit(1e3), "MPa": Unit(1e6), "GPa": Unit(1e9), "bar": Unit(1e5)},
     "Pa s/m^3": {"Pa s/m^3": Unit(1.0), "bar s/m^3": Unit(1e5), "bar/(l/min)": Unit(1e5 * MINUTE / 1e-3)},
+    "m^3/(s Pa)": {
+        "m^3/(s Pa)": Unit(1.0),
+        "m^3/(s bar)": Unit(1e-5),
+        "l/(min bar)": Unit(1e-3 / MINUTE / 1e5),
+    },
     "kg": {"kg": Unit(1.0), "g": Unit(1e-3), "t": Unit(1e3)},
     "kg/m^3": {"kg/m^3": Unit(1.0), "g/cm^3": Unit(1e3)},
     "m/s^2": {"m/s^2": Unit(1.0)},
@@ -58,6 +63,7 @@ SHOWN = {  # SI: what people read
     "m^3": "cm^3",
     "s": "ms",
     "Pa s/m^3": "bar/(l/min)",
+    "m^3/(s Pa)": "l/(min bar)",
     "rad": "deg",
 }
 

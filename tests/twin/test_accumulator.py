@@ -28,7 +28,7 @@ BAR, H = 1e5, 50e-6
 FLUID = Oil(870.0, 40e-6, 1.3e9, -1e5)
 STIFF = 1e19  # [Pa s/m^3]: a place that brings its flow whatever the pressure
 ONE_LITRE = Accumulator(1e-3, 90 * BAR, 1.4, 3e12, 1e8)
-gas, at_rest = interpreted(gas_pressure), interpreted(oil_at_rest)
+gas = interpreted(gas_pressure)
 
 
 @kernel
@@ -73,7 +73,7 @@ def test_energy_of_the_gas_is_the_work_done_on_it(exponent: float):
     p = np.array([gas(s, accumulator) for s in oil])
     work = float(np.sum(0.5 * (p[1:] + p[:-1]) * np.diff(oil)))
     assert gas_energy(6e-4, accumulator) == pytest.approx(work, rel=1e-6)
-    assert gas(at_rest(200 * BAR, accumulator), accumulator) == pytest.approx(200 * BAR, rel=1e-12)
+    assert gas(oil_at_rest(200 * BAR, accumulator), accumulator) == pytest.approx(200 * BAR, rel=1e-12)
 
 
 def test_it_is_shut_below_its_precharge_and_opens_above_it():
@@ -82,7 +82,7 @@ def test_it_is_shut_below_its_precharge_and_opens_above_it():
     q, p, oil, _ = along(free, 5e8, np.zeros(60000), 80 * BAR)
     assert (q[:20000] == 0.0).all()
     assert (p[:20000] == 80 * BAR).all()
-    assert oil[39999] == pytest.approx(at_rest(120 * BAR, ONE_LITRE), rel=1e-3)
+    assert oil[39999] == pytest.approx(oil_at_rest(120 * BAR, ONE_LITRE), rel=1e-3)
     assert oil.min() == 0.0
     assert oil[-1] == 0.0
     assert (q[-100:] == 0.0).all()
@@ -125,7 +125,7 @@ def test_a_place_with_gas_inertia_and_orifice_agrees_with_radau():
         source = (150.0 + 20.0 * math.sin(swing * t)) * BAR
         return [(source - p_g - 3e12 * abs(q) * q - 1e8 * q) / inertance / 1e-4, q / 1e-4]
 
-    first = [0.0, at_rest(150 * BAR, ONE_LITRE) / 1e-4]
+    first = [0.0, oil_at_rest(150 * BAR, ONE_LITRE) / 1e-4]
     found = integrate(rates, (0.0, 0.5), first, "Radau", rtol=1e-10, atol=1e-12, most=100000)
 
     def end(step: float) -> float:

@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.accumulator import OIL as ACCUMULATED
+from twin.accumulator import is_fitted
 from twin.amplifier import amplify, is_amplified
 from twin.circuit.state import (
     ENDS_AT,
@@ -26,7 +28,7 @@ from twin.circuit.state import (
     store,
     unflatten,
 )
-from twin.circuit.step import PUMP, TEE_2, Circuit, Core, Ends, Parts, seal_force, step_once
+from twin.circuit.step import PUMP, TEE_2, Circuit, Core, Ends, Parts, Slots, seal_force, step_once
 from twin.cylinder import chamber_cavities
 from twin.kernel import INTERPRETED, entry, field_names, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
@@ -148,12 +150,12 @@ def _run_block(parts, whole, numbers, state, reference: float, steps: int, taps,
             if ALL_HELD:
                 _held(state, seen)
             else:
-                observe(state, s, ends, memory, c, lines, seen)
+                observe(state, s, ends, slots, memory, c, lines, seen)
             _tap(seen, signals, c, taps[0])
         s = step_once(s, reference, c, lines, ends, slots, memory)
         amplify(c.amplifiers, s.piston.position, ends.pressure, TAP_ENDS, signals)
     store(s, state)
-    observe(state, s, ends, memory, c, lines, seen)
+    observe(state, s, ends, slots, memory, c, lines, seen)
     _tap(seen, signals, c, taps[1])
 
 
@@ -173,8 +175,8 @@ def _held(state, out) -> None:
 
 
 @inlined
-def observe(state, s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> None:
-    """Fill `out` with the OBSERVED quantities of a flat state; s, ends, memory: what it holds."""
+def observe(state, s: Core, ends: Ends, slots: Slots, memory, c: Parts, lines: Bank, out) -> None:
+    """Fill `out` with the OBSERVED quantities of a flat state; s, ends, slots, memory: what it holds."""
     _held(state, out)
     hollow = chamber_cavities(s.chambers, s.piston.position, c.cylinder)
     out[CAVITY_LOWER], out[CAVITY_UPPER] = hollow.lower, hollow.upper
@@ -190,6 +192,8 @@ def observe(state, s: Core, ends: Ends, memory, c: Parts, lines: Bank, out) -> N
     out[CAVITY_TEE] += ends.cavity[TEE_2]
     for end in range(END_COUNT):
         total -= ends.cavity[end]
+    if is_fitted(c.tee_accumulator) or is_fitted(c.p_accumulator):
+        total += slots.accumulator[ACCUMULATED]
     out[CAVITY_LINES], out[OIL_STORED] = inner, total
 
 

@@ -6,18 +6,18 @@ from functools import lru_cache
 from typing import Any
 
 from twin.amplifier import Amplifiers, Direct, lag
+from twin.circuit.build_supply import accumulators, check_valve, fitting, return_end, supply
 from twin.circuit.limits import refuse_coarse_step
 from twin.circuit.step import AtTee, Circuit, OwnLine, Parts
 from twin.contact import Stops
 from twin.cylinder import Cylinder
 from twin.directional_valve import Valve
-from twin.fitting import Fitting
 from twin.lines.bank import Bank, LineSpec, bank_of
 from twin.load import Load, buffer_stiffness
 from twin.minor_losses import Losses, MinorLosses, NoLosses, loss_per_flow_squared
 from twin.oil import Oil, effective_modulus, fluid_modulus, kinematic_viscosity
 from twin.orifice import Orifice, area_for
-from twin.pump import Pump, displacement, ripple_volume
+from twin.relief.direct import direct_relief
 from twin.relief.slot import AnyRelief, NoRelief
 from twin.relief.steady import precompression_for
 from twin.relief.valve import Relief, relief
@@ -38,10 +38,13 @@ def build(rig: Values, step: float) -> Circuit:
     parts = Parts(
         step=step,
         oil=oil,
-        supply=_pump(rig["pump"]),
-        relief=_relief(rig["relief"], oil),
+        supply=supply(rig, step),
+        **accumulators(rig, oil),
+        relief=_relief(rig, oil, step),
         relief_place=_relief_place(rig),
-        fitting=_fitting(rig["filter"], rig["two_position_valve"]),
+        fitting=fitting(rig),
+        check=check_valve(rig),
+        return_end=return_end(rig, oil),
         valve=_directional_valve(rig, oil, step),
         cylinder=_cylinder(rig["cylinder"], oil),
         seal=_seal(rig["seal"], oil),
@@ -72,19 +75,23 @@ def rebuild(circuit: Circuit, rig: Values, name: str) -> Circuit:
     if part == "oil":
         then = _with_oil(circuit, rig)
     elif name in SCREW:
-        then = _with_parts(circuit, {"relief": _relief(rig["relief"], circuit.parts.oil)})
+        then = _with_parts(circuit, {"relief": _relief(rig, circuit.parts.oil, circuit.parts.step)})
     else:
         then = _with_parts(circuit, MADE[part](rig, circuit.parts))
     refuse_coarse_step(then)
     return then
 
 
+SUPPLIES = ("pump", "fixed_pump", "variable_pump", "pressure_source")
+FITTINGS = ("filter", "two_position_valve", "check_valve")
 SCREW = ("relief.setting", "relief.setting_flow")
 MADE: dict[str, Callable[[Values, Parts], dict[str, Any]]] = {  # fields of Parts that one part of the rig makes
-    "pump": lambda rig, _: {"supply": _pump(rig["pump"])},
+    **dict.fromkeys(SUPPLIES, lambda rig, parts: {"supply": supply(rig, parts.step)}),
+    "accumulator": lambda rig, parts: accumulators(rig, parts.oil),
+    "direct_relief": lambda rig, parts: {"relief": _as_screwed(rig, parts, parts.oil)},
     "relief": lambda rig, parts: {"relief": _as_screwed(rig, parts, parts.oil)},
-    "filter": lambda rig, _: {"fitting": _fitting(rig["filter"], rig["two_position_valve"])},
-    "two_position_valve": lambda rig, _: {"fitting": _fitting(rig["filter"], rig["two_position_valve"])},
+    **dict.fromkeys(FITTINGS, lambda rig, _: {"fitting": fitting(rig), "check": check_valve(rig)}),
+    "return_end": lambda rig, parts: {"return_end": return_end(rig, parts.oil)},
     "valve": lambda rig, parts: {"valve": _directional_valve(rig, parts.oil, parts.step)},
     "switching_valve": lambda rig, parts: {"valve": _directional_valve(rig, parts.oil, parts.step)},
     "cylinder": lambda rig, parts: {"cylinder": _cylinder(rig["cylinder"], parts.oil), "stops": _stops(rig)},
@@ -104,6 +111,8 @@ def _with_oil(circuit: Circuit, rig: Values) -> Circuit:
     fields = {
         "oil": oil,
         "relief": _as_screwed(rig, circuit.parts, oil),
+        "return_end": return_end(rig, oil),
+        **accumulators(rig, oil),
         "cylinder": _cylinder(rig["cylinder"], oil),
         "seal": _seal(rig["seal"], oil),
     }
@@ -114,7 +123,7 @@ def _with_oil(circuit: Circuit, rig: Values) -> Circuit:
 def _as_screwed(rig: Values, parts: Parts, oil: Oil) -> AnyRelief:
     """The relief valve with the screw where it is."""
     if not isinstance(parts.relief, Relief):
-        return _relief(rig["relief"], oil)
+        return _relief(rig, oil, parts.step)
     pilot = parts.relief.pilot
     return relief(relief_sizes(rig["relief"], pilot.preload / pilot.stiffness), oil)
 
@@ -133,23 +142,13 @@ def _oil(rig: Values) -> Oil:
     return Oil(oil["density"], kinematic_viscosity(oil["temperature"]), modulus, vapour)
 
 
-def _pump(pump: Entries) -> Pump:
-    gear = pump["width"], pump["module"], pump["teeth"], pump["pressure_angle"]
-    lost = (1.0 - pump["efficiency"]) * displacement(*gear) * pump["efficiency_speed"]
-    ripple = ripple_volume(*gear) if pump["ripple"] == "teeth" and pump["speed"] > 0.0 else 0.0
-    return Pump(
-        delivery=displacement(*gear) * pump["speed"],
-        leakage=lost / pump["efficiency_pressure"],
-        tooth_frequency=pump["teeth"] * pump["speed"],
-        ripple=ripple,
-        run_up=pump["run_up"],
-    )
-
-
-def _relief(valve: Entries, oil: Oil) -> AnyRelief:
-    """The valve whose pilot spring is precompressed for its setting."""
+def _relief(rig: Values, oil: Oil, step: float) -> AnyRelief:
+    """The relief valve; if it has two stages, with its pilot spring precompressed for its setting."""
+    valve = rig["relief"]
     if valve["kind"] == "none":
         return NoRelief()
+    if valve["kind"] == "direct":
+        return direct_relief(rig["direct_relief"], step)
     unset = relief(relief_sizes(valve, 0.0), oil)
     return relief(relief_sizes(valve, _precompression(valve["setting"], valve["setting_flow"], unset)), oil)
 
@@ -163,10 +162,6 @@ def relief_sizes(valve: Entries, precompression: float) -> dict[str, Any]:
     """What `relief` takes: a rig's numbers, but for the setting, and the precompression [m] of the pilot spring."""
     sizes = {name: value for name, value in valve.items() if name not in ("kind", "place", "setting", "setting_flow")}
     return sizes | {"pilot_precompression": precompression}
-
-
-def _fitting(strainer: Entries, two_position: Entries) -> Fitting:
-    return Fitting(strainer["drop"] / strainer["flow"], two_position["drop"] / two_position["flow"] ** 2)
 
 
 def _relief_place(rig: Values) -> AtTee | OwnLine:

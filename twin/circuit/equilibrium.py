@@ -5,8 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from twin.accumulator import begin_accumulator
+from twin.check_valve import cracking_drop, is_check
 from twin.circuit.state import Flows, Pressures, State
 from twin.circuit.step import (
+    TANK,
     TEE_1,
     TEE_2,
     VALVE_END,
@@ -28,8 +31,10 @@ from twin.minor_losses import loss_at_end, minor_drop, resist
 from twin.orifice import resistance
 from twin.port import joined
 from twin.relief.slot import begin_relief, steady_relief
-from twin.supply import starting_ratio, steady_supply
+from twin.return_end import steady_end
+from twin.supply import begin_supply, starting_ratio, steady_supply
 from twin.topology import END_COUNT, ENDS, LINES, PLACES, SLOT, SLOTS, TAPS
+from twin.variable_pump import VariablePump
 
 OWN_LINE = LINES  # of the relief valve, behind the six
 TIGHT = 1e-14  # [m^3/s]
@@ -63,9 +68,10 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
         if high > HIGHEST:
             raise ValueError(
                 "the pump flow has no outlet: no relief valve, a shut valve and no leakage; "
-                "take relief.kind = 'two-stage', a tandem centre or pump.efficiency below 1"
+                "take relief.kind = 'two-stage', a tandem centre or a supply that leaks (pump.efficiency below 1)"
             )
-    return at(_root(lambda tee: at(tee)[1], high, 1e-6))[0]
+    spare = TIGHT if isinstance(circuit.parts.supply, VariablePump) else 0.0  # it may swing back to nothing
+    return at(_root(lambda tee: at(tee)[1] - spare, high, 1e-6))[0]
 
 
 def idle_flow(tee: float, circuit: Circuit) -> float:
@@ -94,8 +100,14 @@ def _idle_drops(flow: float, area: float, circuit: Circuit) -> tuple[float, floa
     """Pressure drops [Pa] from the tee to P, over the land P-T, of line 5 and of line 6."""
     parts = circuit.parts
     a, b = resistance(area, land_orifice(parts.valve), parts.oil)
-    to_p = fitting_resistance(flow, parts.fitting) * flow + _line_drop(1, flow, circuit)
-    return to_p, (a * abs(flow) + b) * flow, _line_drop(4, flow, circuit), _line_drop(5, flow, circuit)
+    to_p = cracking_drop(parts.check) + fitting_resistance(flow, parts.fitting) * flow + _line_drop(1, flow, circuit)
+    to_tank = _line_drop(5, flow, circuit) + steady_end(parts.return_end, flow, 0.0)
+    return to_p, (a * abs(flow) + b) * flow, _line_drop(4, flow, circuit), to_tank
+
+
+def behind_check(tee: float, circuit: Circuit) -> float:
+    """Pressure [Pa] at P while nothing flows there: what the check valve leaves of that at the tee."""
+    return max(min(tee, 0.0), tee - cracking_drop(circuit.parts.check))
 
 
 def _line_drop(line: int, flow: float, circuit: Circuit) -> float:
@@ -122,7 +134,7 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
             f"below the vapour pressure; take at most {most:.4g} N"
         )
     supply = supply_at_rest(circuit, starting_ratio(circuit.parts.supply))
-    p, t, back = supply.tee, 0.0, 0.0
+    p, t, back = behind_check(supply.tee, circuit), 0.0, 0.0
     if supply.idle > 0.0:
         to_p, _, drop_5, back = _idle_drops(supply.idle, lands_at(circuit.parts.valve, 0.0).p_t, circuit)
         p, t = supply.tee - to_p, drop_5 + back
@@ -151,6 +163,8 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     at, relieved = dict(zip(PLACES, p, strict=True)), q.line_1 - q.line_2
     pressure = np.array([at.get(end, 0.0) for end in ENDS])
     pressure[TEE_2] -= fitting_resistance(q.line_2, parts.fitting) * q.line_2
+    pressure[TEE_2] -= cracking_drop(parts.check) if q.line_2 > 0.0 else p.tee - p.p if is_check(parts.check) else 0.0
+    pressure[TANK] = steady_end(parts.return_end, q.line_6, p.back)
     memory, through, before = np.zeros(memory_size(lines)), np.array(q), p.tee
     if len(lines.model) > LINES:
         before = relieved_at(p.tee, circuit)[1]
@@ -165,6 +179,10 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     signals = np.tile([piston.position, *(at[place] for place in TAPS.values())], 2)
     slots = Slots(*np.zeros((len(SLOTS), SLOT)))
     stored = stored_oil(Chambers(p.lower, p.upper), piston.position, parts.cylinder)
+    begin_supply(parts.supply, p.pump, slots.supply)
+    begin_accumulator(parts.p_accumulator, p.p, -q.line_2, slots.accumulator)
+    at_tee = isinstance(parts.relief_place, AtTee)
+    begin_accumulator(parts.tee_accumulator, p.tee, -relieved if at_tee else 0.0, slots.accumulator)
     relief = begin_relief(parts.relief, before, relieved, slots.relief)
     weight = weight_at(piston.position, parts.load)
     core = Core(0.0, piston, spool, weight, stored, relief, before, Ledger(0.0, 0.0, 0.0))

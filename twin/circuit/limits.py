@@ -9,9 +9,11 @@ from twin.circuit.step import Circuit
 from twin.cylinder import Chambers, chamber_volumes
 from twin.kernel import interpreted
 from twin.pump import Pump
+from twin.relief.direct import DirectRelief
 from twin.seal import least_mass
 from twin.switching_valve import SwitchingValve
 from twin.topology import PIPES, RELIEF_LINE
+from twin.variable_pump import VariablePump
 
 FOLLOWED = 0.5  # omega h up to which the leapfrog keeps a frequency within (omega h)^2/24 = 1 %
 STEPS_PER_TRAVEL = 8.0  # of a line, for its stated accuracy
@@ -40,7 +42,18 @@ def limits(circuit: Circuit) -> list[Limit]:
     if isinstance(parts.supply, Pump) and parts.supply.ripple > 0.0:
         tooth = 1.0 / parts.supply.tooth_frequency
         found.append(Limit("pump", "period of a tooth", tooth, tooth / STEPS_PER_TOOTH))
-    return [*found, _valve(circuit)]
+    return [*found, *_lags(circuit), _valve(circuit)]
+
+
+def _lags(circuit: Circuit) -> list[Limit]:
+    """First-order lags of swash plate and direct-operated relief valve, which any step keeps bounded."""
+    supply, relief = circuit.parts.supply, circuit.parts.relief
+    found = []
+    if isinstance(supply, VariablePump) and supply.time > 0.0:
+        found.append(Limit("variable_pump", "lag of the swash plate", supply.time, supply.time))
+    if isinstance(relief, DirectRelief) and relief.time > 0.0:
+        found.append(Limit("direct_relief", "lag of the poppet", relief.time, relief.time))
+    return found
 
 
 def _valve(circuit: Circuit) -> Limit:

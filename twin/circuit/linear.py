@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit.block import compiled
-from twin.circuit.equilibrium import state_at, supply_at_rest
+from twin.circuit.equilibrium import behind_check, state_at, supply_at_rest
 from twin.circuit.rates import (
     FLOW,
     LINE_ENDS,
@@ -45,8 +45,8 @@ from twin.fitting import fitting_slope
 from twin.lines.bank import steady_slope as line_slope
 from twin.minor_losses import loss_at_end
 from twin.orifice import flow_slopes
-from twin.relief.steady import steady_slope as relief_slope
-from twin.relief.valve import Relief
+from twin.relief.slot import relief_slope
+from twin.return_end import return_slope
 from twin.spool_valve import opening
 from twin.supply import steady_supply
 from twin.topology import CHANNELS, LINES, PLACES
@@ -103,16 +103,17 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
 def _edge_pressures(circuit: Circuit, edge: str) -> Pressures:
     c, load = circuit.parts.cylinder, circuit.parts.load
     pump, tee = supply_at_rest(circuit)[:2]
+    port = behind_check(tee, circuit)
     weight = load.mass * load.gravity - load.force
     if edge == "+":
         k = (c.area_upper / c.area_lower) ** 2  # (p_u - 0)/(p_P - p_l)
-        lower = (weight + c.area_upper * k * tee) / (c.area_lower + c.area_upper * k)
-        upper = k * (tee - lower)
+        lower = (weight + c.area_upper * k * port) / (c.area_lower + c.area_upper * k)
+        upper = k * (port - lower)
     else:
         k = (c.area_lower / c.area_upper) ** 2  # (p_l - 0)/(p_P - p_u)
-        upper = (c.area_lower * k * tee - weight) / (c.area_lower * k + c.area_upper)
-        lower = k * (tee - upper)
-    return Pressures(pump, tee, tee, lower, lower, upper, upper, 0.0, 0.0)
+        upper = (c.area_lower * k * port - weight) / (c.area_lower * k + c.area_upper)
+        lower = k * (port - upper)
+    return Pressures(pump, tee, port, lower, lower, upper, upper, 0.0, 0.0)
 
 
 def moving_point(circuit: Circuit, position: float, spool: float, viscous: float = 0.0) -> State:
@@ -181,6 +182,8 @@ def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0)
     for line, (source, sink) in enumerate(LINE_ENDS):
         q = float(y[FLOW + line])
         a[FLOW + line, FLOW + line] = -line_slope(lines, line, q) - (fitting_slope(q, c.fitting) if line == 1 else 0.0)
+        if sink < 0:
+            a[FLOW + line, FLOW + line] -= return_slope(c.return_end, q)
         a[FLOW + line, FLOW + line] -= 4.0 * loss_at_end(c.losses, line) * abs(q)
         a[FLOW + line, source] = 1.0
         if sink >= 0:
@@ -205,8 +208,7 @@ def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None) -> Array:
         slopes[source, [source, sink, S]] += -by_drop, by_drop, -by_spool
         slopes[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
     slopes[PUMP, PUMP] += steady_supply(c.supply, float(y[PUMP]), 1.0, c.oil)[1]
-    if isinstance(c.relief, Relief):
-        slopes[TEE, TEE] -= relief_slope(float(y[TEE]), c.relief)
+    slopes[TEE, TEE] -= relief_slope(c.relief, float(y[TEE]))
     per_stroke = c.cylinder.area_lower / c.oil.bulk_modulus, c.cylinder.area_upper / c.oil.bulk_modulus
     slopes[LOWER, LOWER] -= per_stroke[0] * y[V]
     slopes[UPPER, UPPER] += per_stroke[1] * y[V]
@@ -234,7 +236,7 @@ def lands(y: Array, circuit: Circuit, edge: str | None) -> list[Land]:
 
 def _capacities(y: Array, circuit: Circuit) -> Array:
     out = np.empty(FLOW)
-    capacities(float(y[X]), *compiled(circuit), out)
+    capacities(y, *compiled(circuit), out)
     return out
 
 

@@ -1,15 +1,18 @@
 """The circuit as one ordinary differential equation: lumped lines, steady relief valve, mean flow of the pump.
 
 It states once more, without time steps, what `circuit` integrates when its lines are lumped: any integrator of the
-reader's choice can check the scheme against it, and `linear` takes its slopes. Fittings count to their line's own
-resistance. Left out is what has no rate: end
-stops, limits of the spool, cavities, the weight that joins, and the set-valued seal friction, in whose place a viscous
+reader's choice can check the scheme against it, and `linear` takes its slopes. Fittings and what the return line ends
+in count to their line's own resistance, an accumulator's gas to the capacity of its place, its inlet left out. Relief
+valve and swash plate follow their steady curves. Left out is what has no rate: end stops, limits of the spool,
+cavities, the weight that joins, check valves that shut, and the set-valued seal friction, in whose place a viscous
 slope may stand.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.accumulator import gas_capacity
+from twin.check_valve import cracking_drop_of
 from twin.circuit.state import Flows, Pressures
 from twin.circuit.step import Circuit
 from twin.cylinder import chamber_volumes
@@ -20,6 +23,7 @@ from twin.lines.bank import steady_drop, unpacked
 from twin.minor_losses import minor_drop
 from twin.orifice import flow
 from twin.relief.slot import steady_relief
+from twin.return_end import return_drop
 from twin.supply import steady_supply
 from twin.topology import LINES, PIPES, PLACES
 
@@ -62,14 +66,16 @@ def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> No
             out[second] += y[FLOW + line]
             drop -= y[second]
         if line == 1:
-            drop -= fitting_resistance(y[FLOW + 1], c.fitting) * y[FLOW + 1]
+            drop -= cracking_drop_of(c.check) + fitting_resistance(y[FLOW + 1], c.fitting) * y[FLOW + 1]
+        if second < 0:
+            drop -= return_drop(c.return_end, y[FLOW + line])
         drop -= minor_drop(c.losses, line, y[FLOW + line])
         out[FLOW + line] = (drop - steady_drop(lines, line, y[FLOW + line])) / lines.inertance[line]
     b, cylinder = c.oil.bulk_modulus, c.cylinder
     out[LOWER] -= cylinder.area_lower * (1.0 + y[LOWER] / b) * y[V]
     out[UPPER] += cylinder.area_upper * (1.0 + y[UPPER] / b) * y[V]
     for place in range(FLOW):
-        out[place] /= _capacity(place, y[X], c, lines)
+        out[place] /= _capacity(place, y[X], y[place], c, lines)
     out[X] = y[V]
     force = cylinder.area_lower * y[LOWER] - cylinder.area_upper * y[UPPER] + c.load.force
     out[V] = (force - viscous * y[V]) / c.load.mass - c.load.gravity
@@ -90,15 +96,15 @@ def _inflows(y, c, out) -> None:
 
 
 @kernel
-def capacities(position: float, parts, whole, numbers, out) -> None:
-    """Fill `out` with the oil per pressure [m^3/Pa] at the PLACES, the piston at a position [m]."""
+def capacities(y, parts, whole, numbers, out) -> None:
+    """Fill `out` with the oil per pressure [m^3/Pa] at the PLACES, at a vector of STATES."""
     for place in range(FLOW):
-        out[place] = _capacity(place, position, parts[0], unpacked(whole, numbers))
+        out[place] = _capacity(place, y[X], y[place], parts[0], unpacked(whole, numbers))
 
 
 @inlined
-def _capacity(place: int, position: float, c, lines) -> float:
-    """Oil per pressure [m^3/Pa] at a place: half of each line that ends there, and its chamber."""
+def _capacity(place: int, position: float, pressure: float, c, lines) -> float:
+    """Oil per pressure [m^3/Pa] at a place: half of each line that ends there, its chamber, its accumulator's gas."""
     total = 0.0
     for line in range(LINES):
         if LINE_ENDS[line][0] == place or LINE_ENDS[line][1] == place:
@@ -108,4 +114,8 @@ def _capacity(place: int, position: float, c, lines) -> float:
         total += volume.lower / c.oil.bulk_modulus
     if place == UPPER:
         total += volume.upper / c.oil.bulk_modulus
+    if place == TEE:
+        total += gas_capacity(c.tee_accumulator, pressure)
+    if place == P:
+        total += gas_capacity(c.p_accumulator, pressure)
     return total

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.accumulator import OIL as ACCUMULATED
 from twin.circuit.step import Core, Ends, Ledger, Piston, Slots
 from twin.cylinder import Chambers
 from twin.directional_valve import Spool
@@ -103,7 +104,8 @@ def flows(state: State) -> Flows:
 
 def oil_in(state: State) -> float:
     """Oil beyond what fills the lines [m^3 at reference density]; it changes by pumped - relieved - returned."""
-    return sum(state.core.chambers) + float(state.ends.oil.sum() - state.ends.cavity.sum())
+    kept = sum(state.core.chambers) + float(state.slots.accumulator[ACCUMULATED])
+    return kept + float(state.ends.oil.sum() - state.ends.cavity.sum())
 
 
 def flatten(state: State) -> NDArray[np.float64]:

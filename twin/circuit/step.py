@@ -15,7 +15,9 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from twin.accumulator import AnyAccumulator, fill_accumulator, is_fitted, taken, with_accumulator
 from twin.amplifier import Amplifiers, Direct
+from twin.check_valve import AnyCheck, CheckValve, NoCheck, before_check, is_check, passes
 from twin.contact import Stops, stopped, travel
 from twin.cylinder import Chambers, Cylinder, drive, fill_chambers
 from twin.directional_valve import Spool, Valve, move_valve, valve_flows
@@ -29,6 +31,7 @@ from twin.oil import Oil
 from twin.port import Port, cavity, joined, pressure, with_cavity
 from twin.relief.motion import Motion
 from twin.relief.slot import AnyRelief, move_relief
+from twin.return_end import AnyEnd, is_open_end, return_flow
 from twin.seal import Seal, friction, friction_limit, slide
 from twin.supply import Supply, supply_flow
 from twin.topology import ENDS, RELIEF_END
@@ -53,9 +56,13 @@ class Parts(NamedTuple):
     step: float  # h [s]
     oil: Oil
     supply: Supply
+    tee_accumulator: AnyAccumulator
+    p_accumulator: AnyAccumulator  # at port P; one of the two at most
     relief: AnyRelief
     relief_place: AtTee | OwnLine
     fitting: Fitting  # in line 2, at the tee
+    check: AnyCheck  # behind it
+    return_end: AnyEnd  # of line 6
     valve: Valve
     cylinder: Cylinder
     seal: Seal
@@ -136,14 +143,59 @@ def port_at(end: int, ends: Ends, step: float) -> Port:
 
 
 @inlined
-def relief_tee(ends: Ends, parts: Parts) -> tuple[Port, Port]:
-    """The port of the relief valve, and what it sees of line 2 through the fittings: the cavity behind them, if any."""
+def line_2(ends: Ends, parts: Parts) -> Port:
+    """What the tee sees of line 2 through the fittings: the cavity behind them, if any."""
     resistance = fitting_resistance(ends.flow[TEE_2], parts.fitting)
-    behind = Port(ends.free[TEE_2], ends.impedance[TEE_2] + resistance)
     if ends.cavity[TEE_2] > 0.0 and resistance > 0.0:
-        behind = Port(parts.oil.vapour_pressure, resistance)
-    port = joined(ends.free[TEE_1], ends.impedance[TEE_1], behind.free, behind.impedance)
-    return with_cavity(port, ends.cavity[TEE_1], parts.step), behind
+        return Port(parts.oil.vapour_pressure, resistance)
+    return Port(ends.free[TEE_2], ends.impedance[TEE_2] + resistance)
+
+
+@by_type
+def tee_port(check: Any, feeding: Port, brought: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Port, bool]:
+    """The tee's port but for the accumulator, and whether line 2 is open to it; feeding: its other lines.
+
+    brought: flow of the relief valve into the tee [m^3/s].
+    """
+    raise TypeError(f"{check} is not a check valve")
+
+
+@tee_port.register
+def _(check: NoCheck, feeding: Port, brought: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Port, bool]:
+    behind = line_2(ends, parts)
+    port = joined(feeding.free, feeding.impedance, behind.free, behind.impedance)
+    return with_cavity(port, ends.cavity[TEE_1], parts.step), True
+
+
+@tee_port.register
+def _(check: CheckValve, feeding: Port, brought: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Port, bool]:
+    """What the tee would be with the valve shut decides."""
+    behind, alone = line_2(ends, parts), with_cavity(feeding, ends.cavity[TEE_1], parts.step)
+    drawn = taken(parts.tee_accumulator, alone, brought, slots.accumulator, parts.oil, parts.step)
+    if not passes(check, pressure(alone, brought - drawn, parts.oil.vapour_pressure), behind):
+        return alone, False
+    met = before_check(check, behind)
+    return joined(alone.free, alone.impedance, met.free, met.impedance), True
+
+
+@inlined
+def tee_side(feeding: Port, brought: float, ends: Ends, parts: Parts, slots: Slots) -> float:
+    """Accumulator and lines at the tee take what the relief valve brings [m^3/s], < 0 as it takes; the pressure."""
+    rest, is_open = tee_port(parts.check, feeding, brought, ends, parts, slots)
+    drawn = fill_accumulator(parts.tee_accumulator, rest, brought, slots.accumulator, parts.oil, parts.step)
+    p = deliver(TEE_1, rest, brought - drawn, ends, parts)
+    met = before_check(parts.check, line_2(ends, parts))
+    through = (p - met.free) / met.impedance if is_open else 0.0
+    deliver(TEE_2, port_at(TEE_2, ends, parts.step), through, ends, parts)
+    return p
+
+
+@inlined
+def relief_before(before: float, port: Port, flow: float, ends: Ends, parts: Parts) -> float:
+    """port.free of the last instant as of today's impedance, where that changes; flow: the relief valve's then."""
+    if is_fitted(parts.tee_accumulator) or is_check(parts.check):
+        return ends.pressure[TEE_1] + port.impedance * flow
+    return before
 
 
 @inlined
@@ -188,43 +240,52 @@ def relief_side(
 
 @relief_side.register
 def _(place: AtTee, relief: Motion, before: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Motion, float]:
-    port, behind = relief_tee(ends, parts)
+    feeding = Port(ends.free[TEE_1], ends.impedance[TEE_1])
+    rest, _ = tee_port(parts.check, feeding, -relief.flow, ends, parts, slots)
+    port = with_accumulator(parts.tee_accumulator, rest, slots.accumulator, parts.oil, parts.step)
+    before = relief_before(before, port, relief.flow, ends, parts)
     relief = move_relief(parts.relief, relief, before, port, slots.relief, parts.step)
-    p = deliver(TEE_1, port, -relief.flow, ends, parts)
-    deliver(TEE_2, port_at(TEE_2, ends, parts.step), (p - behind.free) / behind.impedance, ends, parts)
+    tee_side(feeding, -relief.flow, ends, parts, slots)
     return relief, port.free
 
 
 @relief_side.register
 def _(place: OwnLine, relief: Motion, before: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Motion, float]:
-    own, (tee, behind) = port_at(VALVE_END, ends, parts.step), relief_tee(ends, parts)
+    own = port_at(VALVE_END, ends, parts.step)
     relief = move_relief(parts.relief, relief, before, own, slots.relief, parts.step)
     deliver(VALVE_END, own, -relief.flow, ends, parts)
-    port = joined(tee.free, tee.impedance, ends.free[RELIEF_END], ends.impedance[RELIEF_END])
-    p = deliver(TEE_1, port, 0.0, ends, parts)
-    set_pressure(RELIEF_END, p, ends)
-    deliver(TEE_2, port_at(TEE_2, ends, parts.step), (p - behind.free) / behind.impedance, ends, parts)
+    feeding = joined(ends.free[TEE_1], ends.impedance[TEE_1], ends.free[RELIEF_END], ends.impedance[RELIEF_END])
+    set_pressure(RELIEF_END, tee_side(feeding, 0.0, ends, parts, slots), ends)
     return relief, own.free
 
 
 @inlined
-def valve_side(spool: float, ends: Ends, parts: Parts) -> None:
-    """The directional valve between its four ports."""
-    h = parts.step
-    ports = Ports(port_at(P, ends, h), port_at(A, ends, h), port_at(B, ends, h), port_at(T, ends, h))
+def valve_side(spool: float, ends: Ends, parts: Parts, slots: Slots) -> None:
+    """The directional valve between its four ports, and the accumulator at P."""
+    h, alone, memory = parts.step, port_at(P, ends, parts.step), slots.accumulator
+    p = with_accumulator(parts.p_accumulator, alone, memory, parts.oil, h)
+    ports = Ports(p, port_at(A, ends, h), port_at(B, ends, h), port_at(T, ends, h))
     q = valve_flows(parts.valve, spool, ports, parts.oil)
-    deliver(P, ports.p, -(q.p_a + q.p_b + q.p_t), ends, parts)
+    brought = -(q.p_a + q.p_b + q.p_t)
+    drawn = fill_accumulator(parts.p_accumulator, alone, brought, memory, parts.oil, h)
+    deliver(P, alone, brought - drawn, ends, parts)
     deliver(A, ports.a, q.p_a - q.a_t, ends, parts)
     deliver(B, ports.b, q.p_b - q.b_t, ends, parts)
     deliver(T, ports.t, q.b_t + q.a_t + q.p_t, ends, parts)
 
 
 @inlined
-def return_side(ends: Ends, parts: Parts) -> None:
-    """Return tee and tank."""
+def return_side(ends: Ends, parts: Parts) -> float:
+    """Return tee, and what line 6 ends in; returns the flow that comes from the tank [m^3/s], < 0 as a rule."""
     p = deliver(BACK_5, return_tee(ends, parts.step), 0.0, ends, parts)
     set_pressure(BACK_6, p, ends)
-    set_pressure(TANK, 0.0, ends)
+    if is_open_end(parts.return_end):
+        set_pressure(TANK, 0.0, ends)
+        return ends.flow[TANK]
+    port = port_at(TANK, ends, parts.step)
+    q = return_flow(parts.return_end, port, parts.oil)
+    deliver(TANK, port, q, ends, parts)
+    return q
 
 
 @inlined
@@ -292,9 +353,9 @@ def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, s
     resist(parts.losses, ends.flow, ends.impedance)
     pumped = supply_side(tick, ends, parts, slots)
     relief, tee = relief_side(parts.relief_place, s.relief, s.tee, ends, parts, slots)
-    valve_side(spool.position, ends, parts)
+    valve_side(spool.position, ends, parts, slots)
     chambers = cylinder_side(s.chambers, piston, ends, parts)
-    return_side(ends, parts)
+    returned = return_side(ends, parts)
     departing(bank, memory, int(tick), ends.flow)
     count_oil(ends.oil, ends.flow, lower, upper, h)
     piston, weight = kick(piston, weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
@@ -302,6 +363,6 @@ def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, s
     ledger = Ledger(
         s.ledger.pumped + h * pumped,
         s.ledger.relieved + h * relief.flow,
-        s.ledger.returned - h * ends.flow[TANK],
+        s.ledger.returned - h * returned,
     )
     return Core(tick, Piston(piston.position, velocity), spool, weight, chambers, relief, tee, ledger)

@@ -5,11 +5,12 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from twin.kernel import by_type
+from twin.kernel import by_type, interpreted
 from twin.port import Port
+from twin.relief.direct import DirectRelief, begin_direct, direct_flow, direct_slope, steady_direct
 from twin.relief.motion import Motion, ReliefState, begin
 from twin.relief.network import Relief
-from twin.relief.steady import rest, steady_flow
+from twin.relief.steady import rest, steady_flow, steady_slope
 from twin.relief.valve import step_valve
 
 
@@ -17,7 +18,7 @@ class NoRelief(NamedTuple):
     """There is no relief valve."""
 
 
-AnyRelief = Relief | NoRelief
+AnyRelief = Relief | DirectRelief | NoRelief
 ABSENT = Motion(ReliefState(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -30,6 +31,13 @@ def move_relief(valve: Any, motion: Motion, before: float, port: Port, memory: N
 @move_relief.register
 def _(valve: Relief, motion: Motion, before: float, port: Port, memory: NDArray, step: float) -> Motion:
     return step_valve(motion, before, port.free, port.impedance, valve, step)[0]
+
+
+@move_relief.register
+def _(valve: DirectRelief, motion: Motion, before: float, port: Port, memory: NDArray, step: float) -> Motion:
+    """Its state is in the memory; of the motion only the flow is used."""
+    flow = direct_flow(port, memory, valve)
+    return Motion(motion.state, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, flow, 0.0)
 
 
 @move_relief.register
@@ -49,12 +57,29 @@ def _(valve: Relief, pressure: float) -> float:
 
 
 @steady_relief.register
+def _(valve: DirectRelief, pressure: float) -> float:
+    return steady_direct(pressure, valve)
+
+
+@steady_relief.register
 def _(valve: NoRelief, pressure: float) -> float:
     return 0.0
+
+
+def relief_slope(valve: AnyRelief, pressure: float) -> float:
+    """Slope of the steady flow by the pressure [m^3/(s Pa)]."""
+    if isinstance(valve, NoRelief):
+        return 0.0
+    if isinstance(valve, DirectRelief):
+        return interpreted(direct_slope)(pressure, valve)
+    return steady_slope(pressure, valve)
 
 
 def begin_relief(valve: AnyRelief, pressure: float, flow: float, memory: NDArray) -> Motion:
     """The valve at rest under a pressure [Pa] with a flow [m^3/s] over it."""
     if isinstance(valve, NoRelief):
         return ABSENT
+    if isinstance(valve, DirectRelief):
+        interpreted(begin_direct)(pressure, memory, valve)
+        return ABSENT._replace(flow=flow)
     return begin(rest(pressure, valve), pressure, flow, valve)

@@ -7,8 +7,9 @@ from controller.stability.amplitude.run import resting
 from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.step import Circuit
 from twin.minor_losses import loss_at_end
-from twin.relief.steady import steady_flow
-from twin.relief.valve import Relief
+from twin.pump import Pump
+from twin.relief.slot import steady_relief
+from twin.supply import steady_supply
 
 ANGULAR = 2.0 * np.pi * 30.0  # [rad/s], at which oil in the lines resists: swings between 2 and 40 Hz matter
 KNEE = 0.3  # of the flow at rest, down to where the relief valve's curve is taken as straight
@@ -54,12 +55,23 @@ def _line(number: int, circuit: Circuit) -> Line:
 
 
 def _supply(circuit: Circuit) -> Supply:
-    """The relief valve's curve as a straight line from the flow at rest down to its knee."""
-    pump, at = circuit.parts.supply, supply_at_rest(circuit)
-    if not isinstance(circuit.parts.relief, Relief) or at.relieved <= 0.0:
-        return Supply(pump.delivery, pump.leakage, UNLIMITED, 0.0)
+    """The supply as a flow less a leakage, the relief valve's curve as a straight line from the flow at rest down to
+    its knee."""
+    at, valve = supply_at_rest(circuit), circuit.parts.relief
+    delivery, leakage = _delivery(circuit, at.pump)
+    if at.relieved <= 0.0:
+        return Supply(delivery, leakage, UNLIMITED, 0.0)
     low = high = at.tee
-    while (flow := steady_flow(low, circuit.parts.relief)) > KNEE * at.relieved:
+    while (flow := steady_relief(valve, low)) > KNEE * at.relieved:
         low -= 2e-3 * at.tee
     slope = (at.relieved - flow) / (high - low)
-    return Supply(pump.delivery, pump.leakage, high - at.relieved / slope, slope)
+    return Supply(delivery, leakage, high - at.relieved / slope, slope)
+
+
+def _delivery(circuit: Circuit, pressure: float) -> tuple[float, float]:
+    """Flow at no pressure [m^3/s] and leakage [m^3/(s Pa)]; of other supplies than the gear pump by their slope."""
+    supply = circuit.parts.supply
+    if isinstance(supply, Pump):
+        return supply.delivery, supply.leakage
+    flow, slope = steady_supply(supply, pressure, 1.0, circuit.parts.oil)
+    return flow - slope * pressure, -slope
