@@ -31,7 +31,7 @@ from bridge.scenario.bands import (
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.requirements import Expected
 from bridge.wire.events import ending_of
-from bridge.wire.messages import Ending, Mode
+from bridge.wire.messages import CHANNELS_TOPIC, Ending, Mode
 from controller.bands import END, START, WHOLE, Band, Metrics, WindowBand, judge
 from controller.grid import NS
 from controller.metrics import Signals, measure
@@ -181,11 +181,11 @@ class Look:
         followed = {"error": self.run.reference - self.run.position, "reference": self.run.reference}
         balances = {name: balance(self.time, columns, circuit) for name, balance in BALANCES.items()}
         self.signals = columns | balances | followed
-        self._own = signals_of(found, ("signals",))
+        self._own = signals_of(found, ("signals", CHANNELS_TOPIC))
         self.moments = moments(self.time, columns, circuit) | {START: 0.0, END: float(self.time[-1])}
 
     def series(self, band: WindowBand) -> tuple[NDArray, NDArray]:
-        """Times [s] and values of what a band is about; empty for what the law has not logged."""
+        """Times [s] and values of what a band is about; empty for what the run does not have."""
         if not is_own(band):
             return self.time, self.signals[band.signal]
         signal = self._own.get(band.signal)
@@ -196,7 +196,7 @@ class Look:
         return self._own[band.signal].unit if band.signal in self._own else units_of(band)[0]
 
     def unlike(self, band: WindowBand) -> str:
-        """What is wrong with a band about what the law logs; empty for nothing. 0 is the same in every unit."""
+        """What is wrong with a band about what only some runs have; empty for nothing. 0 is the same in every unit."""
         if band.signal not in self._own:
             return f"the law logged no such signal{nearest(band.signal, self._own)}"
         unit = self.unit(band)

@@ -16,13 +16,13 @@ from bridge.recording.writer import RecordingWriter, entries_of
 from bridge.scenario import Scenario
 from bridge.scenario.channels import layout_of
 from bridge.wire.events import last_words
-from bridge.wire.messages import Ending, Outgoing
+from bridge.wire.messages import CHANNELS_TOPIC, Ending, Outgoing
 from bridge.wire.status import PlantStatus
 from controller.grid import NS
 from controller.laws import ControlLaw
 
 MEMORY = Path("a run in memory")  # in place of a file's name
-JUDGED = ("state", "event", "reference")  # topics that metrics and bands are made of
+JUDGED = ("state", "event", "reference", CHANNELS_TOPIC)  # topics that metrics and bands are made of
 
 
 class RecordingError(RunError):
@@ -91,7 +91,8 @@ def run_unrecorded(scenario: Scenario) -> tuple[Recording, Summary]:
     """Run a scenario and keep only what metrics and bands are made of. Raises RunError."""
     plant, controller = sides(scenario)
     kept = ([m for m in messages if m.topic in JUDGED] for messages in exchange(plant, controller, scenario.ticks))
-    found = recording(MEMORY, [entry for messages in kept for entry in entries_of(messages)], {})
+    head = {"run": {"scenario": scenario.model_dump(mode="json")}} if scenario.daq.channels else {}
+    found = recording(MEMORY, [entry for messages in kept for entry in entries_of(messages)], head)
     return found, summarise(found, scenario, {}, plant.status())
 
 

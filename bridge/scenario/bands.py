@@ -6,6 +6,7 @@ mm". A limit states its unit.
 
 import math
 import re
+from collections.abc import Collection
 from typing import NamedTuple, TypeGuard
 
 from bridge.errors import nearest
@@ -66,7 +67,7 @@ MOMENTS = (START, END, "contact", "impact")
 _BAND = re.compile(r"\s*(.+?)\s*(<=|>=)\s*(.+?)\s*")
 _WINDOW = re.compile(r"(.+?)\s+from\s+(.+?)\s+to\s+(.+)")
 _MOMENT = re.compile(r"([a-z]+)(?:\s*([+-])\s*(.+))?")
-_OWN = re.compile(r"signals\.\w+")
+_OWN = re.compile(r"(?:signals|channels)\.\w+")
 _CYCLE = re.compile(r"\s*limit cycle\s*:\s*(\w+)\s*")
 SMALLEST_CYCLE = 1e-9  # [m]; what the metrics call no limit cycle is exactly zero
 
@@ -138,8 +139,15 @@ def parse_measure(text: str) -> Band | WindowBand:
 
 
 def is_own(band: Band | WindowBand) -> TypeGuard[WindowBand]:
-    """Is it about a signal that a law logs, "signals.integral"? Only the run knows those and their units."""
+    """Is it about what only some runs have, "signals.integral" of a law or "channels.force"?"""
     return isinstance(band, WindowBand) and _OWN.fullmatch(band.signal) is not None
+
+
+def refuse_unread(band: Band | WindowBand, channels: Collection[str]) -> None:
+    """Raises ValueError for a band about a further channel of the card that a scenario has not chosen."""
+    topic, _, name = band.signal.partition(".") if is_own(band) else ("", "", "")
+    if topic == "channels" and name not in channels:
+        raise ValueError(f"expect: {band.signal!r} is not read; put {name!r} into daq.channels")
 
 
 def units_of(band: Band | WindowBand) -> tuple[str, str]:

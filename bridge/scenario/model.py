@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field, create_model, model_validator
 
 from bridge.errors import ScenarioError
-from bridge.scenario.bands import parse_band
+from bridge.scenario.bands import parse_band, refuse_unread
 from bridge.scenario.channels import refuse_unknown
 from bridge.scenario.controllers import Controller, Pd
 from bridge.scenario.fields import (
@@ -180,7 +180,7 @@ class Scenario(Part):
         if self.controller.needs_tachometer and not self.daq.tachometer:
             raise ValueError(self.controller.NO_TACHOMETER)
         for expected in self.expected:
-            parse_band(expected.band)
+            refuse_unread(parse_band(expected.band), self.daq.channels)
         self.reference.reference()
         try:
             plan(self)

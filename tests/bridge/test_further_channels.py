@@ -19,7 +19,8 @@ from bridge.recording.writer import save
 from bridge.replay.through import Through, replay_through
 from bridge.report.own_signals import READ, draw_own, own_charts
 from bridge.report.subject import load_run
-from bridge.runs.in_process import record_in_process, run_in_memory
+from bridge.runs.check import judge_run
+from bridge.runs.in_process import record_in_process, run_in_memory, run_unrecorded
 from bridge.scenario import Scenario, load
 from bridge.studies.stability.trial import stand, trial
 from bridge.wire.messages import OF_SOME_RUNS
@@ -292,6 +293,19 @@ def test_the_recorder_takes_none_of_another_layout(alone: Recording, tmp_path: P
     for payload in (first.data, first.data[:-8], first.data + bytes(8), first.data[:-3], b"", first.data[:36]):
         file.take(Arrival("channels", payload, (0, 0)))
     assert file.rejected == 5
+
+
+def test_bands_may_be_about_them():
+    """Also where a run is not recorded; one about a channel that is not chosen is refused before it runs."""
+    bands = ["greatest channels.p_pump <= 60 bar", "least channels.force from 0.1 s to end >= 1 kN"]
+    asked = scenario(f"expect={json.dumps(bands)}")
+    found, summary = run_unrecorded(asked)
+    verdicts = judge_run(asked, summary, found)
+    read_ = run_in_memory(asked).columns("channels")
+    assert [verdict.passed for verdict in verdicts] == [False, bool(read_["force"][100:].min() >= 1e3)]
+    assert verdicts[0].found == f"{read_['p_pump'].max() * 1e-5:.4g} bar"
+    with pytest.raises(ScenarioError, match=r"'channels.p_t' is not read; put 'p_t' into daq.channels"):
+        scenario('expect=["greatest channels.p_t <= 3 bar"]')
 
 
 def test_export_and_compare_have_them(alone: Recording, tmp_path: Path):
