@@ -4,7 +4,6 @@ Plain data without numba, for whoever integrates, lists, names or draws the circ
 PLACES, PIPES and OBSERVED is that of the arrays of the plant and of the messages.
 """
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 
@@ -146,18 +145,6 @@ SENSORS = {  # of every drive: what the scenario's `daq.channels` may name
     "flow_pump": Sensor("m^3/s", "flow_range", ", what the supply delivers", signed=True),
     "flow_relief": Sensor("m^3/s", "flow_range", ", through the relief valve", signed=True),
     "spool": Sensor("", "", ", of the directional valve, share of its travel", signed=True),
-    "relief_pilot": Sensor("m", "lift_range", ", lift of the relief valve's pilot poppet"),
-    "relief_spool": Sensor("m", "lift_range", ", lift of the relief valve's main spool"),
     "force": Sensor("N", "force_range", ", of the rod on its load, upwards", signed=True),
     "acceleration": Sensor("m/s^2", "acceleration_range", ", of the piston, upwards", signed=True),
 }
-KEPT: dict[str, dict[str, dict[str, Sensor]]] = {}  # what a fitted kind adds: section of the rig, kind, name
-
-
-def sensors(values: Mapping[str, Mapping[str, Any]]) -> dict[str, Sensor]:
-    """All that the channels of a drive may read, of the rig's numbers; a kind's own begin with its section."""
-    found = dict(SENSORS)
-    for section, kinds in KEPT.items():
-        own = kinds.get(values.get(section, {}).get("kind", ""), {})
-        found |= {f"{section}_{name}": sensor for name, sensor in own.items()}
-    return found

@@ -21,7 +21,7 @@ class FurtherChannels:
         sensors = chosen(scenario)
         self._names = tuple(sensors)
         self._seed = scenario.seed
-        self._sensing = Sensing(self._names, plant)
+        self._sensing = Sensing(self._names, plant, scenario.rig_values())
         self._inputs = inputs_of(scenario.daq, sensors)
         self._offset = np.zeros(len(self._names))  # of the transducers
         self._number, self._noise = 0, own_noise_block(scenario.seed, 0, self._names)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from bridge.errors import nearest
 from bridge.scenario.units import SHOWN, shown
 from bridge.wire.channels import ChannelField, Layout
-from twin.topology import Sensor, sensors
+from twin.kept import sensors
+from twin.topology import Sensor
 
 if TYPE_CHECKING:
     from bridge.scenario.model import Scenario

@@ -34,7 +34,7 @@ from twin.rig import RIG, Choice, Entry, values
 from twin.topology import CHANNELS
 
 SKEW = 5e-6  # [s], 2.2.2
-NOT_GAUGE = ("drop", "modulus", "young", "difference", "cracking", "hysteresis", "slope")  # in names of numbers in Pa
+NOT_GAUGE = ("drop", "modulus", "young", "droop", "override", "hysteresis", "check")  # in names of numbers in Pa
 
 
 class Start(Part):
@@ -110,7 +110,7 @@ def _rig_part(name: str, entries: dict[str, Entry]) -> Any:
     def field(key: str, entry: Entry) -> tuple[Any, Any]:
         if isinstance(entry, Choice):
             return Literal[entry.options], Field(default=entry.value, description=entry.source)
-        gauge = entry.unit == "Pa" and not any(word in key for word in NOT_GAUGE)
+        gauge = entry.unit == "Pa" and not any(word in f"{name}.{key}" for word in NOT_GAUGE)
         unit: Any = Annotated[float, Measured(entry.unit, gauge)]
         return unit, Field(default=entry.value, description=entry.source, ge=entry.low, le=entry.high)
 

@@ -26,10 +26,12 @@ from bridge.studies.stability.trial import stand, trial
 from bridge.wire.messages import OF_SOME_RUNS
 from tests.support.command import hydrotwin_here
 from tests.support.processes import LOOSE, run_recorded
-from twin.topology import CHANNELS, OBSERVED, SENSORS
+from twin.kept import sensors
+from twin.topology import CHANNELS, OBSERVED
 
 BARE = tuple(f"daq.{effect}" for effect in ("noise=0", "quantise=false", "clip=false"))
 CHOSEN = ("p_pump", "flow_3", "force", "acceleration", "spool")
+SENSORS = sensors(load("step").rig_values())
 LAW = """\
 def law(sample, target, memory, gains):
     u = 20.0 * (target.position - sample.position) - 1e-10 * (sample.channels["p_pump"] - 70e5)

@@ -1,21 +1,25 @@
 """What the further channels of the card touch, off a plant that runs.
 
-Most are observed quantities. The accelerometer gives the mean over the last step, impacts included. The force cell is
-between the rod and what it carries, the piston's own mass counted there (2.10): `F = m (g + a) - F_ext`, and what
-presses the buffer of a weight that waits. So the rod's stops do not act on it, and at rest it shows the weight.
+Most are observed quantities, or numbers that a kind keeps in its slot. The accelerometer gives the mean over the last
+step, impacts included. The force cell is between the rod and what it carries, the piston's own mass counted there
+(2.10): `F = m (g + a) - F_ext`, and what presses the buffer of a weight that waits. So the rod's stops do not act on
+it, and at rest it shows the weight.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit.block import MASS, Compiled
-from twin.circuit.state import place_of
-from twin.topology import CHANNELS, OBSERVED
+from twin.circuit.state import SLOTS_AT, place_of
+from twin.kept import FOLLOWS, Kept, kept
+from twin.topology import CHANNELS, OBSERVED, SLOT, SLOTS
 
 Array = NDArray[np.float64]
+Values = Mapping[str, Mapping[str, Any]]
+PLACES_SEEN = {name: place for place, name in enumerate(OBSERVED)}
 POSITION_AT, FACE_AT, CARRIED_AT = map(place_of, ("piston.position", "weight.position", "weight.carried"))
 SPEED = [*CHANNELS].index("velocity")  # of the taps
 
@@ -45,21 +49,34 @@ DERIVED: dict[str, Callable[[Moment], float]] = {"force": force, "acceleration":
 
 
 class Sensing:
-    """Reads some of the SENSORS of a plant; the plant's record may change while it runs."""
+    """Reads what some sensors touch of a plant, whose record may change while it runs."""
 
-    def __init__(self, names: Iterable[str], plant: Compiled) -> None:
-        places = [*OBSERVED]
-        chosen = [*enumerate(names)]
+    def __init__(self, names: Iterable[str], plant: Compiled, values: Values) -> None:
+        """values: the numbers of the rig, which say what is fitted."""
+        chosen, own = [*enumerate(names)], kept(values)
+        held = {name: _place(slot, entry) for name, (slot, entry) in own.items() if entry.number != FOLLOWS}
         self._parts = plant.parts
         self._values = np.zeros(len(chosen))
-        self._into = [j for j, name in chosen if name in OBSERVED]
-        self._from = [places.index(name) for _, name in chosen if name in OBSERVED]
-        self._derived = [(j, DERIVED[name]) for j, name in chosen if name not in OBSERVED]
+        self._seen = _pairs((j, PLACES_SEEN.get(name)) for j, name in chosen)
+        self._held = _pairs((j, held.get(name)) for j, name in chosen)
+        self._derived = [(j, DERIVED[name]) for j, name in chosen if name in DERIVED]
 
     def read(self, state: Array, seen: Array, taps: Array) -> Array:
         """The true values, in the order of the names; valid until the next."""
-        self._values[self._into] = seen[self._from]
+        for source, (into, places) in ((seen, self._seen), (state, self._held)):
+            self._values[into] = source[places]
         now = Moment(state, seen, taps, self._parts[0])
         for j, derived in self._derived:
             self._values[j] = derived(now)
         return self._values
+
+
+def _place(slot: str, entry: Kept) -> int:
+    """Where a kind's number stands in a flat state."""
+    return SLOTS_AT + SLOT * SLOTS.index(slot) + entry.number
+
+
+def _pairs(found: Iterable[tuple[int, int | None]]) -> tuple[list[int], list[int]]:
+    """Where what has a place goes, and its places."""
+    there = [(into, place) for into, place in found if place is not None]
+    return [into for into, _ in there], [place for _, place in there]

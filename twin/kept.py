@@ -1,0 +1,47 @@
+"""What channels may read of the kinds that are fitted: plain data, without numba.
+
+A kind's sensors are named by its section of the rig and a word: `accumulator_gas_pressure`. Most show a number that the
+kind keeps in its slot; the others are observed quantities, or follow from what it keeps (`twin/circuit/sensing.py`).
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from twin.topology import SENSORS, Sensor
+
+FOLLOWS = -1  # in place of a number
+
+
+class Kept(NamedTuple):
+    """A sensor of a kind."""
+
+    sensor: Sensor
+    number: int = FOLLOWS  # among those of its slot
+
+
+def _lift(words: str, number: int = FOLLOWS) -> Kept:
+    return Kept(Sensor("m", "lift_range", f", lift of {words}"), number)
+
+
+KEPT: dict[str, dict[str, dict[str, Kept]]] = {  # section of the rig, its kind, and the word
+    "relief": {
+        "two-stage": {
+            "pilot": _lift("the relief valve's pilot poppet"),
+            "spool": _lift("the relief valve's main spool"),
+        }
+    },
+}
+
+
+def kept(values: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple[str, Kept]]:
+    """The sensors of the kinds that a rig of some numbers has, by name, each with its slot."""
+    return {
+        f"{section}_{word}": (section, entry)
+        for section, kinds in KEPT.items()
+        for word, entry in kinds.get(values.get(section, {}).get("kind", ""), {}).items()
+    }
+
+
+def sensors(values: Mapping[str, Mapping[str, Any]]) -> dict[str, Sensor]:
+    """All that the channels of a drive may read, of the rig's numbers."""
+    return SENSORS | {name: entry.sensor for name, (_, entry) in kept(values).items()}
