@@ -56,7 +56,6 @@ class Inputs(NamedTuple):
     low: NDArray[np.float64]
     lsb: NDArray[np.float64]  # resolution
     high: NDArray[np.float64]  # the greatest value that can be read
-    noise: NDArray[np.float64]  # of each [LSB rms]
     quantise: bool
     clip: bool
 
@@ -65,8 +64,7 @@ def inputs_of(daq: Any, chosen: Mapping[str, Sensor]) -> Inputs:
     """The further channels that a section of settings describes."""
     ends = np.array([sensor.ends(daq) for sensor in chosen.values()])
     lsb = (ends[:, 1] - ends[:, 0]) / 2.0**daq.bits
-    noise = np.full(len(lsb), float(daq.noise))
-    return Inputs(ends[:, 0], lsb, ends[:, 1] - lsb, noise, bool(daq.quantise), bool(daq.clip))
+    return Inputs(ends[:, 0], lsb, ends[:, 1] - lsb, bool(daq.quantise), bool(daq.clip))
 
 
 def own_noise_block(seed: int, block: int, names: Iterable[str]) -> NDArray[np.float64]:
@@ -75,12 +73,20 @@ def own_noise_block(seed: int, block: int, names: Iterable[str]) -> NDArray[np.f
     return np.column_stack([np.random.Generator(source).standard_normal(NOISE_ROWS) for source in sources])
 
 
-def convert_all(values: NDArray[np.float64], noise: NDArray[np.float64], inputs: Inputs) -> NDArray[np.float64]:
-    """What further channels read of true values, as `convert`."""
-    readings = values + noise * inputs.noise * inputs.lsb
+def convert_all(readings: NDArray[np.float64], inputs: Inputs) -> NDArray[np.float64]:
+    """What further channels read, in place, of true values with their noise; as `convert`."""
+    low, lsb = inputs.low, inputs.lsb
     if inputs.quantise:
-        readings = inputs.low + inputs.lsb * np.floor((readings - inputs.low) / inputs.lsb + 0.5)
-    return np.minimum(np.maximum(readings, inputs.low), inputs.high) if inputs.clip else readings
+        readings -= low
+        readings /= lsb
+        readings += 0.5
+        np.floor(readings, out=readings)
+        readings *= lsb
+        readings += low
+    if inputs.clip:
+        np.maximum(readings, low, out=readings)
+        np.minimum(readings, inputs.high, out=readings)
+    return readings
 
 
 @kernel

@@ -23,20 +23,31 @@ class FurtherChannels:
         self._seed = scenario.seed
         self._sensing = Sensing(self._names, plant, scenario.rig_values())
         self._inputs = inputs_of(scenario.daq, sensors)
-        self._offset = np.zeros(len(self._names))  # of the transducers
-        self._number, self._noise = 0, own_noise_block(scenario.seed, 0, self._names)
+        self._offset = np.zeros(len(sensors))  # of the transducers [SI]
+        self._share = np.full(len(sensors), scenario.daq.noise)  # noise of each [LSB rms]
+        self._begin(0)
 
     def read(self, tick: int, state: Array, seen: Array, taps: Array) -> Array:
         """What the card reads of a plant at a tick; taps: what its own channels touch, a step before and now."""
         number, row = divmod(tick, NOISE_ROWS)
         if number != self._number:
-            self._number, self._noise = number, own_noise_block(self._seed, number, self._names)
-        return convert_all(self._sensing.read(state, seen, taps) + self._offset, self._noise[row], self._inputs)
+            self._begin(number)
+        return convert_all(self._sensing.read(state, seen, taps) + self._added[row], self._inputs)
 
     def tune(self, channel: str, what: str, value: float) -> None:
         """From now on: the `offset` [SI] of a channel's transducer, or its `noise` [LSB rms]."""
-        target = self._offset if what == "offset" else self._inputs.noise
+        target = self._offset if what == "offset" else self._share
         target[self._names.index(channel)] = value
+        self._change()
+
+    def _begin(self, number: int) -> None:
+        """Begin a block of ticks."""
+        self._number, self._noise = number, own_noise_block(self._seed, number, self._names)
+        self._change()
+
+    def _change(self) -> None:
+        """What is added to true values in a block of ticks."""
+        self._added = self._noise * (self._share * self._inputs.lsb) + self._offset
 
 
 def further_channels(scenario: Scenario, plant: Compiled) -> FurtherChannels | None:

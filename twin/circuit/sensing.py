@@ -18,6 +18,7 @@ from twin.kept import FOLLOWS, Kept, kept
 from twin.topology import CHANNELS, OBSERVED, SLOT, SLOTS
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp]
 Values = Mapping[str, Mapping[str, Any]]
 PLACES_SEEN = {name: place for place, name in enumerate(OBSERVED)}
 POSITION_AT, FACE_AT, CARRIED_AT = map(place_of, ("piston.position", "weight.position", "weight.carried"))
@@ -64,7 +65,8 @@ class Sensing:
     def read(self, state: Array, seen: Array, taps: Array) -> Array:
         """The true values, in the order of the names; valid until the next."""
         for source, (into, places) in ((seen, self._seen), (state, self._held)):
-            self._values[into] = source[places]
+            if len(into):
+                self._values[into] = source[places]
         now = Moment(state, seen, taps, self._parts[0])
         for j, derived in self._derived:
             self._values[j] = derived(now)
@@ -76,7 +78,8 @@ def _place(slot: str, entry: Kept) -> int:
     return SLOTS_AT + SLOT * SLOTS.index(slot) + entry.number
 
 
-def _pairs(found: Iterable[tuple[int, int | None]]) -> tuple[list[int], list[int]]:
+def _pairs(found: Iterable[tuple[int, int | None]]) -> tuple[Places, Places]:
     """Where what has a place goes, and its places."""
     there = [(into, place) for into, place in found if place is not None]
-    return [into for into, _ in there], [place for _, place in there]
+    into, places = np.array(there, np.intp).reshape(-1, 2).T
+    return into, places
