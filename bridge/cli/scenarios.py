@@ -1,6 +1,8 @@
 """Verbs about scenarios: scenarios, schema, describe, convergence."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from bridge.cli.options import (
     AS_JSON,
@@ -10,29 +12,53 @@ from bridge.cli.options import (
 from bridge.cli.outputs import print_json
 from twin.topology import PIPES
 
+ALL_VALUES = Annotated[bool, typer.Option("--all", help="Print the values of what is not fitted, too.")]
+
 if TYPE_CHECKING:
     from bridge.scenario import Scenario
+    from bridge.scenario.describe import Value
 
 
-def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_JSON = False) -> None:
+def describe(
+    scenario: SCENARIO = "step", changes: CHANGES = None, every: ALL_VALUES = False, as_json: AS_JSON = False
+) -> None:
     """Print a scenario's circuit: parts, values with their sources, frequencies, travel times, limits of the step."""
     from bridge.cli.tables import print_table
     from bridge.scenario import load
 
     loaded = load(scenario, changes)
-    from bridge.scenario.describe import PICTURE, facts, step_rows, timeline, values_of, warnings
+    from bridge.scenario.describe import (
+        empty_slots,
+        facts,
+        shown_values,
+        slots_of,
+        step_rows,
+        timeline,
+        values_of,
+        warnings,
+    )
+    from bridge.scenario.text_picture import text_picture
 
     values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
+    slots = slots_of(loaded)
     parameters, happens = _parameters(loaded), timeline(loaded)
     if as_json:
         keys = ("part", "what", "time", "longest step")
         limits = [dict(zip(keys, row, strict=True)) for row in steps]
         plain = {"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits}
+        plain["fitted"] = [dict(zip(("slot", "kind", "chosen by"), row, strict=True)) for row in slots]
         further = {"parameters": parameters, "timeline": [h._asdict() for h in happens]}
         print_json(plain | {name: rows for name, rows in further.items() if rows})
         return
-    print(PICTURE)
-    print_table(("value", "", "", "source"), [(v.name, v.value, "*" if v.changed else "", v.source) for v in values])
+    print(text_picture(loaded.rig_values()))
+    print_table(("slot", "what is fitted", "chosen by"), slots)
+    if empty := empty_slots(loaded):
+        print(f"not fitted: {', '.join(empty)}")
+    print()
+    shown = values if every else shown_values(loaded)
+    print_table(("value", "", "", "source"), [(v.name, v.value, _mark(v), v.source) for v in shown])
+    if not every:
+        print(f"{len(values) - len(shown)} values of what is not fitted are left out; --all prints them")
     print()
     print_table(("what follows", ""), found)
     print()
@@ -45,6 +71,10 @@ def describe(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: AS_J
         print_table(("in the timeline", "what changes"), happens)
     for line in warnings(loaded):
         print(f"warning: {line}")
+
+
+def _mark(value: "Value") -> str:
+    return ("*" if value.changed else "") + ("" if value.fitted else " not fitted")
 
 
 def _parameters(scenario: "Scenario") -> dict[str, Any]:

@@ -1,9 +1,11 @@
-"""A scenario's circuit in words and numbers: values with sources, frequencies, travel times, limits of the step."""
+"""A scenario's circuit in words: what is fitted, values with sources, frequencies, travel times, limits of the step."""
 
 import math
 from typing import Any, NamedTuple
 
 from bridge.scenario.circuit import circuit_of, rest_of, supply_of
+from bridge.scenario.fitted import SLOTS, fitted
+from bridge.scenario.in_force import in_force
 from bridge.scenario.model import Scenario
 from bridge.scenario.reach import reference_warnings
 from bridge.scenario.supply_facts import Fact, relief_facts, supply_facts
@@ -14,15 +16,6 @@ from twin.circuit.step import Circuit
 from twin.rig import RIG, Choice, Entry
 from twin.topology import PIPES
 
-PICTURE = """\
-                      p1
-                       |                   +-------+
-  tank > pump --1--> tee --filter--2--> P -|       |- A --3-->  lower chamber (rod side: it lifts) -- p2
-                       |                   | valve |            piston; rod down, load on the rod
-                 relief > tank             |       |- B --4-->  upper chamber (cap side)           -- p3
-                                           +-------+
-  tank <--6-- return tee <--5------------- T --'
-"""
 WIDE = {"length": "m", "young": "GPa", "speed": "rpm", "efficiency_speed": "rpm"}  # and where another unit reads better
 
 
@@ -33,6 +26,7 @@ class Value(NamedTuple):
     value: str
     source: str
     changed: bool  # not the rig's own
+    fitted: bool  # of a part that the drive has
 
 
 class Happens(NamedTuple):
@@ -44,17 +38,35 @@ class Happens(NamedTuple):
 
 def values_of(scenario: Scenario) -> list[Value]:
     """Every value, in the order of the rig; whatever the scenario changed has that as its source."""
+    values = scenario.rig_values()
+    read = in_force(values)
     return [
-        _value(f"{part}.{name}", value, RIG[part][name])
-        for part, entries in scenario.rig_values().items()
+        _value(f"{part}.{name}", value, RIG[part][name], f"{part}.{name}" in read)
+        for part, entries in values.items()
         for name, value in entries.items()
     ]
 
 
-def _value(name: str, value: Any, entry: Entry) -> Value:
+def shown_values(scenario: Scenario) -> list[Value]:
+    """The values of what is fitted, and whatever the scenario changed."""
+    return [value for value in values_of(scenario) if value.fitted or value.changed]
+
+
+def _value(name: str, value: Any, entry: Entry, read: bool) -> Value:
     own = value == entry.value
     source = entry.source if own else f"this scenario; otherwise {_text(name, entry.value, entry)}"
-    return Value(name, _text(name, value, entry), source, not own)
+    return Value(name, _text(name, value, entry), source, not own, read)
+
+
+def slots_of(scenario: Scenario) -> list[tuple[str, str, str]]:
+    """Slot, what is fitted in it, and by which value of the scenario it is chosen."""
+    return [(row.slot, row.words, f"rig.{row.place}" if row.place else "") for row in fitted(scenario.rig_values())]
+
+
+def empty_slots(scenario: Scenario) -> list[str]:
+    """The values that choose what the drive does not have."""
+    there = {row.place for row in fitted(scenario.rig_values())}
+    return [f"rig.{slot.place}" for slot in SLOTS.values() if slot.place not in there and slot.section in RIG]
 
 
 def _text(name: str, value: Any, entry: Entry) -> str:

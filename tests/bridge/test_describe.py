@@ -9,13 +9,14 @@ import pytest
 from bridge.scenario import ScenarioError, load, names
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.describe import (
-    PICTURE,
     facts,
+    shown_values,
     step_rows,
     values_of,
     warnings,
 )
 from bridge.scenario.relief_swing import swing_notes
+from bridge.scenario.text_picture import text_picture
 from tests.support.command import hydrotwin_here
 from twin.rig import RIG
 
@@ -48,6 +49,26 @@ def test_what_the_scenario_changed_is_marked_and_says_what_it_was(change, name, 
     assert [value.name for value in changed] == [name]
     assert changed[0].value == shown
     assert changed[0].source == f"this scenario; otherwise {otherwise}"
+
+
+def test_values_of_what_is_not_fitted_are_left_out_unless_the_scenario_changed_them():
+    """The switching valve's numbers beside a proportional valve do nothing; a changed one is shown all the same."""
+    own = {value.name for value in shown_values(load("step"))}
+    assert {"valve.overlap", "pump.teeth", "relief.pilot_mass", "seal.alpha", "pipe_6.length"} <= own
+    assert not [name for name in own if name.startswith(("switching_valve.", "pipe_7."))]
+    changed = shown_values(load("step", ["rig.switching_valve.switching_time='40 ms'"]))
+    odd = [value for value in changed if not value.fitted]
+    assert [value.name for value in odd] == ["switching_valve.switching_time"]
+    switching = {value.name for value in shown_values(load("step", ["rig.valve.kind=switching"]))}
+    assert switching - own >= {"switching_valve.rated_flow", "switching_valve.idle_shuts"}
+    assert own - switching >= {"valve.overlap", "valve.rated_flow"}
+
+
+def test_all_values_are_printed_when_asked(tmp_path):
+    few, every = (hydrotwin_here("describe", "step", *more, cwd=tmp_path).stdout for more in ((), ("--all",)))
+    assert "switching_valve.idle_shuts" not in few
+    assert "--all prints them" in few
+    assert "switching_valve.idle_shuts" in every
 
 
 def number(scenario, start: str) -> float:
@@ -127,14 +148,17 @@ def test_a_step_too_coarse_is_marked_and_warned_of_with_both_numbers():
 def test_the_verb_prints_picture_values_facts_limits_and_warnings(tmp_path):
     done = hydrotwin_here("describe", "load-change-502", "--set", "loop.step='200 us'", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert PICTURE in done.stdout
+    assert text_picture(load("load-change-502").rig_values()) in done.stdout
+    assert "switching valve" in done.stdout
     for word in ("load.added", "183 kg", "this scenario", "502 rpm", "Table 2.1", "TOO COARSE", "warning: loop.step"):
         assert word in done.stdout
 
 
 def test_the_verb_prints_json_when_asked(tmp_path):
     found = json.loads(hydrotwin_here("describe", "step", "--set", "rig.load.mass=302", "--json", cwd=tmp_path).stdout)
-    assert set(found) == {"values", "facts", "step"}
+    assert set(found) == {"values", "fitted", "facts", "step"}
+    assert [value["name"] for value in found["values"]] == ALL
+    assert {row["slot"]: row["kind"] for row in found["fitted"]}["directional valve"] == "proportional valve"
     assert [value["name"] for value in found["values"] if value["changed"]] == ["load.mass"]
     assert {row["part"] for row in found["step"]} >= {"pipe_1", "load", "pump", "valve"}
 
