@@ -15,13 +15,15 @@ ROOT = Path(__file__).parents[1]
 COMPONENTS = (
     *("air", "oil", "iso_vg", "orifice", "port", "contact", "fitting", "seal", "load", "pump", "cylinder", "lands"),
     *("spool_valve", "switching_valve", "directional_valve", "supply", "sensors", "amplifier", "minor_losses"),
-    *("neck", "valve_body", "accessory", "counterbalance", "pilot_check", "throttle", "cushion"),
+    *("neck", "valve_body", "accessory", "counterbalance", "pilot_check", "throttle", "cushion", "necked_cylinder"),
     *("land_law", "land_network", "servo_opening", "servo_spool", "servo_valve"),
     *("lag", "fixed_pump", "variable_pump", "pressure_source", "accumulator", "check_valve", "return_end"),
     *("stribeck", "lugre", "friction", "table", "environment", "compliant", "lever", "load_slot", "motor", "actuator"),
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (
+        ("quantity",),
+        ("rig_accessories",),
         ("topology", "rig", "integration", "cache_folder", "sealed_files"),
         ("compiled_code", "native_code", "kept"),
         ("compiler",),

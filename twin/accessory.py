@@ -14,12 +14,15 @@ from twin.counterbalance import (
     opening_force,
     settle_counterbalance,
 )
-from twin.kernel import by_type
-from twin.neck import Neck, plain_side
+from twin.cushion import Cushion, NoCushion, cushion_losses
+from twin.kernel import by_type, inlined
+from twin.neck import Neck, in_series, plain_side
 from twin.oil import Oil
 from twin.pilot_check import PilotCheck, lifting_force, move_pilot_check, pilot_check_at, settle_pilot_check
 from twin.throttle import Throttle, ThrottleCheck, throttle_check_neck, throttle_neck
 from twin.valve_body import steady_lift
+
+INFLOW, LINE = 10, 11  # in the memory of its slot: flow into the chamber, pressure at the line's end
 
 
 class NoAccessory(NamedTuple):
@@ -27,6 +30,23 @@ class NoAccessory(NamedTuple):
 
 
 Accessory = NoAccessory | Counterbalance | PilotCheck | Throttle | ThrottleCheck
+
+
+class Joined(NamedTuple):
+    """Both lines end in their chambers."""
+
+
+class Necks(NamedTuple):
+    """What lies between lines and chambers."""
+
+    accessory_a: Accessory  # of the lower chamber
+    accessory_b: Accessory  # of the upper chamber
+    cushion: Cushion
+
+
+def between(necks: Joined | Necks) -> Necks:
+    """The same with names for what is not there."""
+    return necks if isinstance(necks, Necks) else Necks(NoAccessory(), NoAccessory(), NoCushion())
 
 
 @by_type
@@ -73,35 +93,11 @@ def _(
     return throttle_check_neck(accessory)
 
 
-@by_type
-def is_joined(accessory: Any) -> bool:
-    """Are line and chamber one place?"""
-    raise TypeError(f"{accessory} is not an accessory")
-
-
-@is_joined.register
-def _(accessory: NoAccessory) -> bool:
-    return True
-
-
-@is_joined.register
-def _(accessory: Counterbalance) -> bool:
-    return False
-
-
-@is_joined.register
-def _(accessory: PilotCheck) -> bool:
-    return False
-
-
-@is_joined.register
-def _(accessory: Throttle) -> bool:
-    return False
-
-
-@is_joined.register
-def _(accessory: ThrottleCheck) -> bool:
-    return False
+@inlined
+def cushioned(lower: Neck, upper: Neck, cushion: Cushion, position: float) -> tuple[Neck, Neck]:
+    """Both necks with the cushions in series with what leaves the chambers, the piston at a position [m]."""
+    a_l, b_l, a_u, b_u = cushion_losses(cushion, position)
+    return Neck(lower.into, in_series(lower.out, a_l, b_l)), Neck(upper.into, in_series(upper.out, a_u, b_u))
 
 
 def begin_accessory(accessory: Accessory, p_line: float, p_chamber: float, p_pilot: float, memory: NDArray) -> None:

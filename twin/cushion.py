@@ -81,24 +81,3 @@ def _(cushion: SpearCushion, position: float) -> tuple[float, float, float, floa
         cushion.upper_entry if upper > 0.0 else 0.0,
         cushion.upper_gap * max(0.0, upper),
     )
-
-
-@by_type
-def is_cushioned(cushion: Any) -> bool:
-    """Has the cylinder cushions?"""
-    raise TypeError(f"{cushion} is not a cushion")
-
-
-@is_cushioned.register
-def _(cushion: NoCushion) -> bool:
-    return False
-
-
-@is_cushioned.register
-def _(cushion: OrificeCushion) -> bool:
-    return True
-
-
-@is_cushioned.register
-def _(cushion: SpearCushion) -> bool:
-    return True

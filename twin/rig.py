@@ -7,31 +7,13 @@ of them.
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
+from twin.quantity import TINY, Choice, Entry, Number
+from twin.rig_accessories import ACCESSORIES, ACCESSORIES_BUILT
 
-class Number(NamedTuple):
-    """One number of the rig."""
-
-    value: float
-    unit: str  # SI, "" for a pure number
-    source: str
-    low: float = 0.0  # smallest allowed value
-    high: float = math.inf  # largest allowed value
-
-
-class Choice(NamedTuple):
-    """One of several words."""
-
-    value: str
-    options: tuple[str, ...]
-    source: str
-
-
-Entry = Number | Choice
 Values = Mapping[str, Mapping[str, Any]]  # part -> name -> number or word
 
-TINY = 1e-12  # smallest value of what must not be zero
 STEEL = Number(2.1e11, "Pa", "steel; the thesis used 2.1e10, ten times too small", TINY)
 RUBBER = Number(1.09e9, "Pa", "2.2.3, HIDOL hose", TINY)
 FITTED = "fitted to the facts of 2.3 and 2.6, docs/calibration.md"
@@ -261,6 +243,7 @@ RIG: dict[str, dict[str, Entry]] = {
         "position": Number(1600.0, "Hz", "assumed: a third of the usual carrier of 4.8 kHz; -3 dB", TINY),
         "pressure": Number(1600.0, "Hz", "assumed: a third of the usual carrier of 4.8 kHz; -3 dB", TINY),
     },
+    **ACCESSORIES,
     "pipe_1": _pipe(1.35, hose=False),
     "pipe_2": _pipe(2.05, hose=False),
     "pipe_3": _pipe(2.05, hose=True),
@@ -287,6 +270,7 @@ BUILT_IN = {  # numbers that stay while the rig runs: why
     ),
     **dict.fromkeys(("accumulator.volume", "accumulator.exponent"), "the gas in it is counted by it"),
     "relief.channel_volume": "it is the rig's geometry",
+    **dict.fromkeys(ACCESSORIES_BUILT, "it is the valve's or the cylinder's geometry"),
     **{f"chatter.{name}": "only the valve's theory reads it" for name in RIG["chatter"]},
 }
 

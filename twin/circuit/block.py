@@ -28,7 +28,7 @@ from twin.circuit.state import (
     store,
     unflatten,
 )
-from twin.circuit.step import PUMP, TEE_2, Circuit, Core, Ends, Parts, Slots, seal_force, step_once
+from twin.circuit.step import LOWER, PUMP, TEE_2, UPPER, Circuit, Core, Ends, Parts, Slots, seal_force, step_once
 from twin.cylinder import chamber_cavities
 from twin.kernel import INTERPRETED, entry, field_names, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
@@ -179,7 +179,7 @@ def observe(state, s: Core, ends: Ends, slots: Slots, memory, c: Parts, lines: B
     """Fill `out` with the OBSERVED quantities of a flat state; s, ends, slots, memory: what it holds."""
     _held(state, out)
     hollow = chamber_cavities(s.chambers, s.piston.position, c.cylinder)
-    out[CAVITY_LOWER], out[CAVITY_UPPER] = hollow.lower, hollow.upper
+    out[CAVITY_LOWER], out[CAVITY_UPPER] = hollow.lower + ends.cavity[LOWER], hollow.upper + ends.cavity[UPPER]
     inner, total = 0.0, s.chambers.lower + s.chambers.upper + c.line_volume
     for line in range(LINES):
         out[FLOWS_SEEN[line]] = 0.5 * (ends.flow[2 * line] - ends.flow[2 * line + 1])

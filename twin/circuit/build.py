@@ -7,6 +7,7 @@ from typing import Any
 
 from twin.amplifier import Amplifiers, Direct, lag
 from twin.circuit.build_supply import accumulators, check_valve, fitting, return_end, supply
+from twin.circuit.fit_accessories import necks
 from twin.circuit.limits import refuse_coarse_step
 from twin.circuit.step import AtTee, Circuit, OwnLine, Parts
 from twin.contact import Stops
@@ -46,6 +47,7 @@ def build(rig: Values, step: float) -> Circuit:
         check=check_valve(rig),
         return_end=return_end(rig, oil),
         valve=_directional_valve(rig, oil, step),
+        necks=necks(rig, oil, step),
         cylinder=_cylinder(rig["cylinder"], oil),
         seal=_seal(rig["seal"], oil),
         stops=_stops(rig),
@@ -94,6 +96,9 @@ MADE: dict[str, Callable[[Values, Parts], dict[str, Any]]] = {  # fields of Part
     "return_end": lambda rig, parts: {"return_end": return_end(rig, parts.oil)},
     "valve": lambda rig, parts: {"valve": _directional_valve(rig, parts.oil, parts.step)},
     "switching_valve": lambda rig, parts: {"valve": _directional_valve(rig, parts.oil, parts.step)},
+    "accessory_a": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
+    "accessory_b": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
+    "cushion": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
     "cylinder": lambda rig, parts: {"cylinder": _cylinder(rig["cylinder"], parts.oil), "stops": _stops(rig)},
     "seal": lambda rig, parts: {"seal": _seal(rig["seal"], parts.oil)},
     "load": lambda rig, _: {"load": _load(rig["load"])},
@@ -113,6 +118,7 @@ def _with_oil(circuit: Circuit, rig: Values) -> Circuit:
         "relief": _as_screwed(rig, circuit.parts, oil),
         "return_end": return_end(rig, oil),
         **accumulators(rig, oil),
+        "necks": necks(rig, oil, step),
         "cylinder": _cylinder(rig["cylinder"], oil),
         "seal": _seal(rig["seal"], oil),
     }

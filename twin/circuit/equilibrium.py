@@ -5,13 +5,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from twin.accessory import INFLOW, LINE, Necks, begin_accessory, resting_neck
 from twin.accumulator import begin_accumulator
 from twin.check_valve import cracking_drop, is_check
 from twin.circuit.state import Flows, Pressures, State
 from twin.circuit.step import (
+    LOWER,
     TANK,
     TEE_1,
     TEE_2,
+    UPPER,
     VALVE_END,
     AtTee,
     Circuit,
@@ -28,6 +31,7 @@ from twin.fitting import fitting_resistance
 from twin.lines.bank import arriving, memory_size, settle, steady_drop
 from twin.load import carried_mass, weight_at
 from twin.minor_losses import loss_at_end, minor_drop, resist
+from twin.neck import steady_flow
 from twin.orifice import resistance
 from twin.port import joined
 from twin.relief.slot import begin_relief, steady_relief
@@ -56,7 +60,7 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
     def at(tee: float) -> tuple[SupplyAtRest, float]:
         relieved = relieved_at(tee, circuit)[0]
         idle = idle_flow(tee, circuit)
-        pump = tee + _line_drop(0, relieved + idle, circuit)
+        pump = tee + line_drop(0, relieved + idle, circuit)
         delivered = steady_supply(circuit.parts.supply, pump, ratio, circuit.parts.oil)[0]
         return SupplyAtRest(pump, tee, relieved, idle), delivered - relieved - idle
 
@@ -100,9 +104,9 @@ def _idle_drops(flow: float, area: float, circuit: Circuit) -> tuple[float, floa
     """Pressure drops [Pa] from the tee to P, over the land P-T, of line 5 and of line 6."""
     parts = circuit.parts
     a, b = resistance(area, land_orifice(parts.valve), parts.oil)
-    to_p = cracking_drop(parts.check) + fitting_resistance(flow, parts.fitting) * flow + _line_drop(1, flow, circuit)
-    to_tank = _line_drop(5, flow, circuit) + steady_end(parts.return_end, flow, 0.0)
-    return to_p, (a * abs(flow) + b) * flow, _line_drop(4, flow, circuit), to_tank
+    to_p = cracking_drop(parts.check) + fitting_resistance(flow, parts.fitting) * flow + line_drop(1, flow, circuit)
+    to_tank = line_drop(5, flow, circuit) + steady_end(parts.return_end, flow, 0.0)
+    return to_p, (a * abs(flow) + b) * flow, line_drop(4, flow, circuit), to_tank
 
 
 def behind_check(tee: float, circuit: Circuit) -> float:
@@ -110,7 +114,7 @@ def behind_check(tee: float, circuit: Circuit) -> float:
     return max(min(tee, 0.0), tee - cracking_drop(circuit.parts.check))
 
 
-def _line_drop(line: int, flow: float, circuit: Circuit) -> float:
+def line_drop(line: int, flow: float, circuit: Circuit) -> float:
     """Pressure drop [Pa] of a line at a steady flow [m^3/s], with what sits at its ends but for the fittings."""
     return steady_drop(circuit.lines, line, flow) + minor_drop(circuit.parts.losses, line, flow)
 
@@ -138,9 +142,20 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
     if supply.idle > 0.0:
         to_p, _, drop_5, back = _idle_drops(supply.idle, lands_at(circuit.parts.valve, 0.0).p_t, circuit)
         p, t = supply.tee - to_p, drop_5 + back
-    at = Pressures(supply.pump, supply.tee, p, p_lower, p_lower, p_upper, p_upper, t, back)
+    p_a, p_b = _held_lines(Chambers(p_lower, p_upper), circuit)
+    at = Pressures(supply.pump, supply.tee, p, p_a, p_lower, p_upper, p_b, t, back)
     through = Flows(supply.relieved + supply.idle, supply.idle, 0.0, 0.0, supply.idle, supply.idle)
     return state_at(at, through, Piston(position, 0.0), Spool(0.0, 0.0), circuit)
+
+
+def _held_lines(p: Chambers, circuit: Circuit) -> Chambers:
+    """Pressures [Pa] in the lines at rest: those of the chambers, but 0 before a valve that holds its chamber."""
+    necks, oil = circuit.parts.necks, circuit.parts.oil
+    if not isinstance(necks, Necks):
+        return p
+    sides = ((necks.accessory_a, p.lower), (necks.accessory_b, p.upper))
+    tight = [steady_flow(-held, resting_neck(kind, 0.0, held, 0.0, oil)) == 0.0 for kind, held in sides]
+    return Chambers(*(0.0 if shut else held for shut, held in zip(tight, p, strict=True)))
 
 
 def relieved_at(tee: float, circuit: Circuit) -> tuple[float, float]:
@@ -161,7 +176,8 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     """The state in which these pressures [Pa] and flows [m^3/s] have been steady; no cavities."""
     parts, lines = circuit.parts, circuit.lines
     at, relieved = dict(zip(PLACES, p, strict=True)), q.line_1 - q.line_2
-    pressure = np.array([at.get(end, 0.0) for end in ENDS])
+    line_sides = _line_sides(p, q, circuit)
+    pressure = np.array([(at | line_sides).get(end, 0.0) for end in ENDS])
     pressure[TEE_2] -= fitting_resistance(q.line_2, parts.fitting) * q.line_2
     pressure[TEE_2] -= cracking_drop(parts.check) if q.line_2 > 0.0 else p.tee - p.p if is_check(parts.check) else 0.0
     pressure[TANK] = steady_end(parts.return_end, q.line_6, p.back)
@@ -174,10 +190,13 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     inner = pressure - lost * np.abs(flow) * flow
     settle(lines, memory, inner, through)
     oil = lines.capacity * inner.reshape(-1, 2).mean(axis=1)
+    pressure[[LOWER, UPPER]] = p.lower, p.upper
     cavity, free, impedance = np.zeros((3, END_COUNT))
     ends = Ends(_padded(pressure), _padded(flow), cavity, free, impedance, np.resize(_padded(oil), END_COUNT // 2))
     signals = np.tile([piston.position, *(at[place] for place in TAPS.values())], 2)
     slots = Slots(*np.zeros((len(SLOTS), SLOT)))
+    if isinstance(parts.necks, Necks):
+        _begin_necks(parts.necks, p, q, line_sides, slots)
     stored = stored_oil(Chambers(p.lower, p.upper), piston.position, parts.cylinder)
     begin_supply(parts.supply, p.pump, slots.supply)
     begin_accumulator(parts.p_accumulator, p.p, -q.line_2, slots.accumulator)
@@ -187,6 +206,20 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     weight = weight_at(piston.position, parts.load)
     core = Core(0.0, piston, spool, weight, stored, relief, before, Ledger(0.0, 0.0, 0.0))
     return _with_tee(State(core, ends, signals, slots, memory), circuit)
+
+
+def _line_sides(p: Pressures, q: Flows, circuit: Circuit) -> dict[str, float]:
+    """Pressures [Pa] of the cylinder's lines at their ends before the accessories, if these keep them apart."""
+    if not isinstance(circuit.parts.necks, Necks):
+        return {}
+    return {"lower": p.a - line_drop(2, q.line_3, circuit), "upper": p.b - line_drop(3, q.line_4, circuit)}
+
+
+def _begin_necks(necks: Necks, p: Pressures, q: Flows, line_sides: dict[str, float], slots: Slots) -> None:
+    a, b, line_a, line_b = slots.accessory_a, slots.accessory_b, line_sides["lower"], line_sides["upper"]
+    begin_accessory(necks.accessory_a, line_a, p.lower, line_b, a)
+    begin_accessory(necks.accessory_b, line_b, p.upper, line_a, b)
+    a[[INFLOW, LINE]], b[[INFLOW, LINE]] = (q.line_3, line_a), (q.line_4, line_b)
 
 
 def _padded(at_ends: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ import numpy as np
 
 from twin.circuit.block import PORT_ENDS
 from twin.circuit.state import MEMORY_AT, ends_of, load
+from twin.circuit.step import LOWER, UPPER
 from twin.cylinder import chamber_cavities
 from twin.kernel import kernel
 from twin.lines.bank import inner_cavity, profile, unpacked
@@ -19,7 +20,7 @@ def along_lines(state, parts, whole, numbers, xi, pressure, cavity) -> None:
     """Fill pressure [Pa], shape (LINES, len(xi)), and cavity [m^3], one for each of HOLLOWS; nothing else changes."""
     lines, s, ends, memory = unpacked(whole, numbers), load(state), ends_of(state), state[MEMORY_AT:]
     hollow = chamber_cavities(s.chambers, s.piston.position, parts[0].cylinder)
-    cavity[0], cavity[1] = hollow.lower, hollow.upper
+    cavity[0], cavity[1] = hollow.lower + ends.cavity[LOWER], hollow.upper + ends.cavity[UPPER]
     for i in range(len(PORT_ENDS)):
         cavity[PORTS_AT + i] = ends.cavity[PORT_ENDS[i]]
     for line in range(LINES):

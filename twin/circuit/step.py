@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from twin.accessory import INFLOW, LINE, Joined, Necks, accessory_neck, cushioned
 from twin.accumulator import AnyAccumulator, fill_accumulator, is_fitted, taken, with_accumulator
 from twin.amplifier import Amplifiers, Direct
 from twin.check_valve import AnyCheck, CheckValve, NoCheck, before_check, is_check, passes
@@ -27,6 +28,7 @@ from twin.lands import Ports
 from twin.lines.bank import Bank, arriving, departing
 from twin.load import Load, Weight, carried_mass, contact_force, kick_weight, move_weight, pick_up
 from twin.minor_losses import Losses, resist
+from twin.necked_cylinder import fill_behind_necks
 from twin.oil import Oil
 from twin.port import Port, cavity, joined, pressure, with_cavity
 from twin.relief.motion import Motion
@@ -64,6 +66,7 @@ class Parts(NamedTuple):
     check: AnyCheck  # behind it
     return_end: AnyEnd  # of line 6
     valve: Valve
+    necks: Joined | Necks  # between cylinder lines and chambers
     cylinder: Cylinder
     seal: Seal
     stops: Stops
@@ -109,11 +112,14 @@ class Core(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """The line ends at the last instant, in the order of ENDS, and the oil of the lines; the relief line's own last."""
+    """The line ends at the last instant, in the order of ENDS, and the oil of the lines; the relief line's own last.
+
+    Pressures at LOWER and UPPER are those of the chambers; that of a line that ends before an accessory is in its slot.
+    """
 
     pressure: NDArray  # [Pa]
     flow: NDArray  # into the line [m^3/s]
-    cavity: NDArray  # [m^3]; of a tee at its first end, behind the fittings at TEE_2, of a chamber not here
+    cavity: NDArray  # [m^3]; of a tee at its first end, behind the fittings at TEE_2, inside a chamber not here
     free: NDArray  # c [Pa]
     impedance: NDArray  # Z [Pa s/m^3]
     oil: NDArray  # in each line, beyond what fills it at no pressure [m^3 at reference density]
@@ -319,9 +325,30 @@ def move_piston(piston: Piston, weight: Weight, parts: Parts) -> tuple[Piston, W
     return moved, move_weight(weight, moved.position, parts.load, parts.step)
 
 
-@inlined
-def cylinder_side(stored: Chambers, piston: Piston, ends: Ends, parts: Parts) -> Chambers:
+@by_type
+def delivered(necks: Any, ends: Ends, slots: Slots) -> Chambers:
+    """What the chambers give to their lines' ends [m^3/s]."""
+    raise TypeError(f"{necks} are not what lies between lines and chambers")
+
+
+@delivered.register
+def _(necks: Joined, ends: Ends, slots: Slots) -> Chambers:
+    return Chambers(ends.flow[LOWER], ends.flow[UPPER])
+
+
+@delivered.register
+def _(necks: Necks, ends: Ends, slots: Slots) -> Chambers:
+    return Chambers(-slots.accessory_a[INFLOW], -slots.accessory_b[INFLOW])
+
+
+@by_type
+def cylinder_side(necks: Any, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots) -> Chambers:
     """Both chambers at the ends of their lines, the piston at its new place."""
+    raise TypeError(f"{necks} are not what lies between lines and chambers")
+
+
+@cylinder_side.register
+def _(necks: Joined, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots) -> Chambers:
     before = Chambers(ends.pressure[LOWER], ends.pressure[UPPER])
     inflow = Chambers(-ends.flow[LOWER], -ends.flow[UPPER])
     lower = Port(ends.free[LOWER], ends.impedance[LOWER])
@@ -332,20 +359,39 @@ def cylinder_side(stored: Chambers, piston: Piston, ends: Ends, parts: Parts) ->
     return stored
 
 
+@cylinder_side.register
+def _(necks: Necks, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots) -> Chambers:
+    h, oil, a, b = parts.step, parts.oil, slots.accessory_a, slots.accessory_b
+    before, inflow = Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), Chambers(a[INFLOW], b[INFLOW])
+    line_a, line_b = a[LINE], b[LINE]
+    neck_a = accessory_neck(necks.accessory_a, line_a, before.lower, line_b, a, oil, h)
+    neck_b = accessory_neck(necks.accessory_b, line_b, before.upper, line_a, b, oil, h)
+    neck_a, neck_b = cushioned(neck_a, neck_b, necks.cushion, piston.position)
+    port_a, port_b = port_at(LOWER, ends, h), port_at(UPPER, ends, h)
+    lower, upper = (port_a, neck_a), (port_b, neck_b)
+    stored, p, q = fill_behind_necks(
+        stored, before, inflow, lower, upper, piston.position, parts.cylinder, oil, h
+    )  # fmt: skip
+    a[LINE], b[LINE] = deliver(LOWER, port_a, -q.lower, ends, parts), deliver(UPPER, port_b, -q.upper, ends, parts)
+    a[INFLOW], b[INFLOW] = q.lower, q.upper
+    ends.pressure[LOWER], ends.pressure[UPPER] = p.lower, p.upper
+    return stored
+
+
 @inlined
-def count_oil(oil: NDArray, flow: NDArray, lower: float, upper: float, step: float) -> None:
-    """Oil of the lines after a step; lower, upper: flows into them from the chambers before it, whose mean counts."""
+def count_oil(oil: NDArray, flow: NDArray, before: Chambers, then: Chambers, step: float) -> None:
+    """Oil of the lines after a step; before, then: what the chambers deliver to them, whose mean counts."""
     for line in range(len(oil)):
         oil[line] += step * (flow[2 * line] + flow[2 * line + 1])
-    oil[2] += 0.5 * step * (lower - flow[LOWER])
-    oil[3] += 0.5 * step * (upper - flow[UPPER])
+    oil[2] += 0.5 * step * (before.lower - then.lower)
+    oil[3] += 0.5 * step * (before.upper - then.upper)
 
 
 @inlined
 def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, slots: Slots, memory: NDArray) -> Core:
     """One step under a spool reference -1..1: `ends` and the memories of slots and lines change in place."""
     h, tick = parts.step, s.tick + 1.0
-    lower, upper = ends.flow[LOWER], ends.flow[UPPER]
+    given = delivered(parts.necks, ends, slots)
     piston, weight = kick(s.piston, s.weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
     piston, weight = move_piston(piston, weight, parts)
     spool = move_valve(parts.valve, s.spool, reference, slots.valve, h)
@@ -354,10 +400,10 @@ def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, s
     pumped = supply_side(tick, ends, parts, slots)
     relief, tee = relief_side(parts.relief_place, s.relief, s.tee, ends, parts, slots)
     valve_side(spool.position, ends, parts, slots)
-    chambers = cylinder_side(s.chambers, piston, ends, parts)
+    chambers = cylinder_side(parts.necks, s.chambers, piston, ends, parts, slots)
     returned = return_side(ends, parts)
     departing(bank, memory, int(tick), ends.flow)
-    count_oil(ends.oil, ends.flow, lower, upper, h)
+    count_oil(ends.oil, ends.flow, given, delivered(parts.necks, ends, slots), h)
     piston, weight = kick(piston, weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
     velocity, weight = pick_up(piston.position, piston.velocity, weight, parts.load)
     ledger = Ledger(

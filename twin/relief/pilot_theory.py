@@ -144,28 +144,28 @@ def swings_with_lines(pressure: float, impedance: Impedance, valve: Relief) -> l
         return np.linalg.det((s[:, None, None] * inertia - at.matrix(impedance(s))) * scale)
 
     found: list[complex] = []
-    for root in _roots(characteristic, 1j * STARTS):
+    for root in roots(characteristic, 1j * STARTS):
         known = any(abs(root - other) < 1e-3 * abs(other) for other in found)
         if not known and STARTS[0] < root.imag < 2.0 * math.pi * 3000.0:
             found.append(complex(root))
     return sorted(((s.real, s.imag / (2.0 * math.pi)) for s in found), reverse=True)
 
 
-def _roots(function: Callable[[NDArray[Any]], NDArray[Any]], starts: NDArray[Any]) -> NDArray[Any]:
+def roots(function: Callable[[NDArray[Any]], NDArray[Any]], starts: NDArray[Any]) -> NDArray[Any]:
     """Where the secant rule converges from each start, to 1e-9 of the root; those that do not are left out."""
     a, b = starts, starts * (1.0 + 1e-4) + 1.0
-    f_a, roots = function(a), []
+    f_a, found = function(a), []
     for _ in range(40):
         f_b = function(b)
         with np.errstate(all="ignore"):
             then = b - f_b * (b - a) / (f_b - f_a)
             near, sound = np.abs(then - b) < 1e-9 * np.abs(then), np.abs(then) < 1e6
-        roots.append(then[near & sound])
+        found.append(then[near & sound])
         going = ~near & sound
         if not going.any():
             break
         a, b, f_a = b[going], then[going], f_b[going]
-    return np.concatenate(roots)
+    return np.concatenate(found)
 
 
 def chatter_volumes(pressure: float, z: float, modulus: float, valve: Relief) -> tuple[float, float] | None:

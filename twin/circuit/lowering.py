@@ -1,0 +1,150 @@
+"""A load lowered at constant speed through the valve that holds it: the point of rest of its pressures.
+
+The held chamber gives its oil through a counterbalance or a pilot-operated check valve, line and directional valve to
+the tank; the pump drives the other chamber, whose line is the pilot. With a flow taken, everything follows from the
+tank and from the tee on; what is left is that the valve, at rest under these pressures, passes that flow.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from twin.accessory import Necks, between, resting_neck
+from twin.circuit.equilibrium import line_drop, relieved_at
+from twin.circuit.step import Circuit
+from twin.counterbalance import Counterbalance
+from twin.cylinder import Chambers
+from twin.directional_valve import land_orifice, lands_at
+from twin.fitting import fitting_resistance
+from twin.kernel import interpreted
+from twin.neck import steady_flow
+from twin.orifice import resistance
+from twin.pilot_check import PilotCheck
+from twin.supply import steady_supply
+
+HIGHEST = 1e9  # [Pa]
+
+
+class Lowering(NamedTuple):
+    """Pressures [Pa] and flows [m^3/s] of a steady motion towards the held chamber."""
+
+    held: str  # accessory_a: the lower chamber holds; accessory_b: the upper one
+    speed: float  # of the piston towards the held chamber [m/s]
+    position: float  # [m]
+    spool: float
+    p_held: float
+    p_driven: float
+    p_line: float  # of the held chamber's line, before its valve
+    p_pilot: float  # of the driven chamber's line
+    p_a: float  # at the directional valve, of the line out of the held chamber
+    p_b: float  # at the directional valve, of the line to the driven one
+    p_p: float
+    p_t: float
+    tee: float
+    q_held: float  # at reference density
+    q_driven: float
+
+
+def held_by(necks: Necks) -> tuple[str, ...]:
+    """The ports whose accessory holds a load."""
+    sides = {"accessory_a": necks.accessory_a, "accessory_b": necks.accessory_b}
+    return tuple(name for name, kind in sides.items() if isinstance(kind, Counterbalance | PilotCheck))
+
+
+def lowering(circuit: Circuit, position: float, spool: float) -> Lowering:
+    """The steady motion at a position [m] with the directional valve at a spool position, without friction.
+
+    A positive spool lets oil out of the upper chamber, a negative one out of the lower. ValueError where the chamber
+    that empties has no valve that holds, where the load stands still, and where the oil would not follow.
+    """
+    held = "accessory_b" if spool > 0.0 else "accessory_a"
+    if held not in held_by(between(circuit.parts.necks)):
+        raise ValueError(f"spool {spool:g} empties a chamber without a valve that holds it: see {held}.kind")
+
+    def excess(speed: float) -> float:
+        return _excess(_at(speed, held, position, spool, circuit), circuit)
+
+    if excess(1e-7) <= 0.0:
+        raise ValueError(f"no motion at spool {spool:g}: the valve in {held} stays shut; take a lower setting")
+    fast = 1e-3
+    while excess(fast) > 0.0:
+        fast *= 2.0
+    found = _at(_root(excess, 0.5 * fast if fast > 1e-3 else 1e-7, fast), held, position, spool, circuit)
+    if min(found.p_held, found.p_driven, found.p_b) <= circuit.parts.oil.vapour_pressure:
+        raise ValueError(f"oil would cavitate at spool {spool:g}: the pump does not follow; take a smaller opening")
+    return found
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    from scipy.optimize import root_scalar
+
+    return root_scalar(function, bracket=(low, high), xtol=1e-15, rtol=1e-13).root
+
+
+def _excess(at: Lowering, circuit: Circuit) -> float:
+    """What the valve would pass more than the motion brings [m^3/s]."""
+    neck = resting_neck(
+        getattr(between(circuit.parts.necks), at.held), at.p_line, at.p_held, at.p_pilot, circuit.parts.oil
+    )
+    return -steady_flow(at.p_line - at.p_held, neck) - at.q_held
+
+
+def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit) -> Lowering:
+    """Pressures at a speed, whatever the valve would pass; oil expands and is compressed on its way."""
+    parts, lower = circuit.parts, held == "accessory_a"
+    cylinder, b = parts.cylinder, parts.oil.bulk_modulus
+    a_held, a_driven = (cylinder.area_lower, cylinder.area_upper)[:: 1 if lower else -1]
+    out_of, into = (2, 3) if lower else (3, 2)  # lines
+    lands, orifice = interpreted(lands_at)(parts.valve, spool), land_orifice(parts.valve)
+    to_driven, to_tank = (lands.p_b, lands.a_t) if lower else (lands.p_a, lands.b_t)
+    q_driven, p_driven = a_driven * speed, 0.0
+    for _ in range(3):
+        tee = _tee(q_driven, circuit)
+        p_p = tee - fitting_resistance(q_driven, parts.fitting) * q_driven - line_drop(1, q_driven, circuit)
+        p_b = p_p - _edge(q_driven, *resistance(to_driven, orifice, parts.oil))
+        p_pilot = p_b - line_drop(into, q_driven, circuit)
+        p_driven = p_pilot - drop_into(q_driven, "accessory_b" if lower else "accessory_a", circuit)
+        q_driven = a_driven * speed * (1.0 + p_driven / b)
+    weight = parts.load.mass * parts.load.gravity - parts.load.force
+    p_held = ((weight if lower else -weight) + a_driven * p_driven) / a_held
+    q_held = a_held * speed * (1.0 + p_held / b)
+    p_t = line_drop(4, q_held, circuit) + line_drop(5, q_held, circuit)
+    p_a = p_t + _edge(q_held, *resistance(to_tank, orifice, parts.oil))
+    p_line = p_a + line_drop(out_of, q_held, circuit)
+    pressures = p_held, p_driven, p_line, p_pilot, p_a, p_b, p_p, p_t, tee
+    return Lowering(held, speed, position, spool, *pressures, q_held, q_driven)
+
+
+def _edge(q: float, a: float, b: float) -> float:
+    return (a * abs(q) + b) * q
+
+
+def _tee(q: float, circuit: Circuit) -> float:
+    """Pressure [Pa] at the tee where the pump delivers a flow [m^3/s] beyond the relief valve's; falls with it."""
+
+    def excess(tee: float) -> float:
+        relieved = relieved_at(tee, circuit)[0]
+        pump = tee + line_drop(0, relieved + q, circuit)
+        return steady_supply(circuit.parts.supply, pump, 1.0, circuit.parts.oil)[0] - relieved - q
+
+    low, high = -1e5, 1e5
+    while excess(low) < 0.0 and low > -HIGHEST:
+        low *= 2.0
+    while excess(high) > 0.0 and high < HIGHEST:
+        high *= 2.0
+    return _root(excess, low, high)
+
+
+def drop_into(q: float, port: str, circuit: Circuit) -> float:
+    """Drop [Pa] of the accessory on the way into the driven chamber."""
+    neck = resting_neck(getattr(between(circuit.parts.necks), port), 0.0, 0.0, 0.0, circuit.parts.oil)
+    if neck.into.a_beside == 0.0 == neck.into.b_beside:
+        return 0.0
+    high = 1e5
+    while steady_flow(high, neck) < q:
+        high *= 2.0
+    return _root(lambda drop: steady_flow(drop, neck) - q, 0.0, high)
+
+
+def chambers(at: Lowering, held: float, driven: float) -> Chambers:
+    """A value of the held and of the driven chamber as of the lower and the upper one."""
+    return Chambers(held, driven) if at.held == "accessory_a" else Chambers(driven, held)
