@@ -24,8 +24,8 @@ from twin.orifice import quadratic_flow
 from twin.port import Port, joined
 
 ATMOSPHERE = 1e5  # p_a [Pa], as of the vapour pressure in `rig.py`
-MEMORY = ("oil", "flow", "brought")  # S [m^3]; Q [m^3/s]; what others brought to the place [m^3/s]
-OIL, FLOW, BROUGHT = range(3)
+MEMORY = ("oil", "flow", "brought", "gas")  # S [m^3]; Q and what others brought there [m^3/s]; p_g [Pa]
+OIL, FLOW, BROUGHT, GAS = range(4)
 GREATEST_SHARE = 0.5  # of the gas volume that a step may fill
 
 
@@ -95,7 +95,8 @@ def gas_energy(oil: float, accumulator: Accumulator) -> float:
 def begin_accumulator(accumulator: AnyAccumulator, pressure: float, brought: float, memory: NDArray) -> None:
     """At rest at a pressure [Pa]; brought: flow of the others into the place [m^3/s]."""
     if isinstance(accumulator, Accumulator):
-        memory[OIL], memory[FLOW], memory[BROUGHT] = oil_at_rest(pressure, accumulator), 0.0, brought
+        oil = oil_at_rest(pressure, accumulator)
+        memory[: len(MEMORY)] = oil, 0.0, brought, max(pressure, accumulator.precharge)
 
 
 @by_type
@@ -157,13 +158,24 @@ def _(accumulator: Accumulator, rest: Port, brought: float, memory: NDArray, oil
     return drawn(accumulator, rest, brought, memory[OIL], oil, step)
 
 
-@inlined
+@by_type
 def fill_accumulator(accumulator: Any, rest: Port, brought: float, memory: NDArray, oil: Oil, step: float) -> float:
     """The same, counted in its memory."""
-    q = taken(accumulator, rest, brought, memory, oil, step)
-    if is_fitted(accumulator):
-        memory[OIL] = memory[OIL] + step * q if q > -memory[OIL] / step else 0.0
-        memory[FLOW], memory[BROUGHT] = q, brought
+    raise TypeError(f"{accumulator} is not an accumulator")
+
+
+@fill_accumulator.register
+def _(accumulator: NoAccumulator, rest: Port, brought: float, memory: NDArray, oil: Oil, step: float) -> float:
+    return 0.0
+
+
+@fill_accumulator.register
+def _(accumulator: Accumulator, rest: Port, brought: float, memory: NDArray, oil: Oil, step: float) -> float:
+    stored = memory[OIL]
+    q = drawn(accumulator, rest, brought, stored, oil, step)
+    memory[OIL] = stored + step * q if q > -stored / step else 0.0
+    memory[GAS] = gas_pressure(stored, accumulator) + 0.5 * step * q * gas_stiffness(stored, accumulator)
+    memory[FLOW], memory[BROUGHT] = q, brought
     return q
 
 

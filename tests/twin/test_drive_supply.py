@@ -68,7 +68,8 @@ def test_supplies_rest_where_their_characteristics_say():
     assert at.relieved == 0.0
     share = 3e-12 * at.pump / (28e-6 * 25.0)  # of the displacement, for the leak
     assert at.pump == pytest.approx(204 * BAR - share * 4 * BAR, rel=1e-9)
-    tight = circuit(**(SAME | DRIVES["variable"] | {"variable_pump": {"leakage": 0.0}}))
+    more: dict[str, Any] = SAME | DRIVES["variable"] | {"variable_pump": {"leakage": 0.0}}
+    tight = circuit(**more)
     assert supply_at_rest(tight).pump == pytest.approx(204 * BAR, rel=1e-6)
     at = supply_at_rest(drive("fixed"))
     whole = (20e-6 * 25.0 - 1e-12 * at.pump) * (1.0 + at.pump / drive("fixed").parts.oil.bulk_modulus)
@@ -123,7 +124,8 @@ def test_neither_tee_nor_port_p_gives_energy(name: str):
 def test_slopes_by_hand_are_the_differences_of_the_rates():
     """About a steady motion, over the swash plate's and the relief valve's steady curves, an open check valve, the
     gas and the back-pressure valve."""
-    c = circuit(**(pipes(model="lumped") | SAME | DRIVES["variable"] | {"seal": FRICTIONLESS}))
+    parts: dict[str, Any] = pipes(model="lumped") | SAME | DRIVES["variable"] | {"seal": FRICTIONLESS}
+    c = circuit(**parts)
     y = to_vector(moving_point(c, 0.1, 0.3))
     assert np.abs(vector_rates(y, 0.3, c)[:9]).max() < 1e-3 * BAR
     slopes, found = jacobian(y, c, None), np.empty((len(y), len(y)))
@@ -157,7 +159,7 @@ def test_what_cannot_be_is_said_in_one_line():
 def test_a_number_of_each_kind_changes_while_it_runs(name: str, number: float, field: str):
     """Only the part that it belongs to is another one."""
     section, key = name.split(".")
-    kinds = {
+    kinds: dict[str, Any] = {
         "supply": {"kind": section.split("_")[0]} if field == "supply" else {"kind": "variable"},
         "accumulator": {"kind": "bladder"}, "relief": {"kind": "direct"}, "check_valve": {"kind": "fitted"},
         "return_end": {"kind": "check"},
