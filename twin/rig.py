@@ -17,7 +17,7 @@ Values = Mapping[str, Mapping[str, Any]]  # part -> name -> number or word
 STEEL = Number(2.1e11, "Pa", "steel; the thesis used 2.1e10, ten times too small", TINY)
 RUBBER = Number(1.09e9, "Pa", "2.2.3, HIDOL hose", TINY)
 FITTED = "fitted to the facts of 2.3 and 2.6, docs/calibration.md"
-MODELS = ("ends", "nodes", "lumped")
+MODELS = ("ends", "nodes", "lumped", "volume", "none")
 FRICTIONS = ("unsteady", "quasi-steady", "steady", "none")
 
 
@@ -28,14 +28,28 @@ def _pipe(length: float, hose: bool) -> dict[str, Entry]:
         "wall": Number(3e-3 if hose else 2e-3, "m", FITTED if hose else "2.2.1, outer 15 mm", TINY),
         "young": RUBBER if hose else STEEL,
         "model": Choice(
-            "ends", MODELS, "ends: waves, end to end; nodes: pressure and cavities inside; lumped: no waves"
+            "ends",
+            MODELS,
+            "ends: waves, end to end; nodes: pressure and cavities inside; lumped: no waves; volume: no inertia and "
+            "friction either; none: no pipe, a manifold",
         ),
         "friction": Choice("unsteady", FRICTIONS, "2.5.2; in turbulent flow quasi-steady"),
+        "creep": Number(0.0, "", "assumed: elastic wall; strain that follows over that at once"),
+        "retardation": Number(20e-3, "s", "assumed: time in which it follows", TINY),
+        "creep_2": Number(0.0, "", "assumed: elastic wall; of a second Kelvin-Voigt element"),
+        "retardation_2": Number(0.5, "s", "assumed: of a second Kelvin-Voigt element", TINY),
+        "manifold": Number(20e-6, "m^3", "assumed: oil between both ends where model is none", TINY),
     }
 
 
 RIG: dict[str, dict[str, Entry]] = {
     "oil": {
+        "kind": Choice(
+            "thesis",
+            ("thesis", "numbers", "iso-vg"),
+            "thesis: density, temperature, wave_speed; numbers: density, viscosity, bulk_modulus; iso-vg: grade, "
+            "temperature, bulk_modulus",
+        ),
         "density": Number(878.0, "kg/m^3", "2.4; 876.56 measured in 2.2.3", TINY),
         "temperature": Number(40.07, "degC", "where the valve's table has nu = 40 mm^2/s, by (2.6)", -20.0, 80.0),
         "wave_speed": Number(
@@ -44,6 +58,12 @@ RIG: dict[str, dict[str, Entry]] = {
             "2.2.3, measured in steel: 1.135e9 Pa; 1329 m/s makes chapter 4's 1.55e9, 1132 m/s chapter 5's 1.125e9",
             TINY,
         ),
+        "bulk_modulus": Number(1.6e9, "Pa", "assumed: mineral oil at 40 degC, without air", TINY),
+        "viscosity": Number(46e-6, "m^2/s", "assumed: VG 46 at 40 degC", TINY),
+        "grade": Choice("46", ("22", "32", "46", "68", "100"), "ISO 3448, viscosity index 100"),
+        "air": Number(0.0, "", "assumed: none; entrained, share of the volume at atmospheric pressure", 0.0, 0.5),
+        "air_exponent": Number(1.4, "", "assumed: adiabatic bubbles; 1: isothermal", 1.0, 1.4),
+        "air_pressure": Number(50e5, "Pa", "assumed: where lines take their modulus of oil with air"),
         "cavitation": Choice("vapour", ("vapour", "none"), "vapour: discrete cavities; none: oil bears any tension"),
         "vapour_pressure": Number(-1e5, "Pa", "assumed: perfect vacuum, gauge", -math.inf, 0.0),
     },
@@ -253,7 +273,8 @@ RIG: dict[str, dict[str, Entry]] = {
     "pipe_7": _pipe(1.0, hose=False),
 }
 
-PIPES_BUILT = [f"pipe_{i}.{name}" for i in range(1, 8) for name in ("length", "diameter", "wall", "young")]
+BUILT_PIPE = ("length", "diameter", "wall", "young", "creep", "retardation", "creep_2", "retardation_2", "manifold")
+PIPES_BUILT = [f"pipe_{i}.{name}" for i in range(1, 8) for name in BUILT_PIPE]
 STARTING = ("pump", "fixed_pump", "variable_pump", "pressure_source")
 BUILT_IN = {  # numbers that stay while the rig runs: why
     **dict.fromkeys(("oil.density", "oil.vapour_pressure"), "the oil in the circuit is counted by it"),
@@ -261,6 +282,7 @@ BUILT_IN = {  # numbers that stay while the rig runs: why
     **dict.fromkeys(("cylinder.bore", "cylinder.rod", "cylinder.stroke"), "it is the rig's geometry"),
     **dict.fromkeys(("cylinder.dead_upper", "cylinder.dead_lower"), "it is the rig's geometry"),
     **dict.fromkeys(PIPES_BUILT, "it is the rig's geometry"),
+    **dict.fromkeys(("oil.air", "oil.air_exponent", "oil.air_pressure"), "the oil in the circuit is counted by it"),
     "valve.full_scale": "the volts of the controller's gains are counted by it",
     **dict.fromkeys(("pump.width", "pump.module", "pump.teeth", "pump.pressure_angle"), "it is the rig's geometry"),
     **dict.fromkeys((f"{name}.run_up" for name in STARTING), "it says how the run starts"),

@@ -67,6 +67,6 @@ class AlteredRig:
             name, value = next(iter(numbers.items()))
             raise ScenarioError(
                 f"{name} = {value:g}: waves that are under way in the lines would need another time; only lines of "
-                "model 'lumped' can take that (rig.pipe_1.model and so on)"
+                "model 'lumped', 'volume' or 'none' can take that (rig.pipe_1.model and so on)"
             )
         return circuit

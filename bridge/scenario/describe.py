@@ -11,10 +11,12 @@ from bridge.scenario.reach import reference_warnings
 from bridge.scenario.supply_facts import Fact, relief_facts, supply_facts
 from bridge.scenario.timeline import Happening, plan
 from bridge.scenario.units import SHOWN, UNITS
+from twin.air import NoAir, effective_bulk_modulus
+from twin.circuit.build import fitted_pipes
 from twin.circuit.limits import limits, natural_frequency, too_coarse
+from twin.circuit.oil import pipe_volume
 from twin.circuit.step import Circuit
-from twin.rig import RIG, Choice, Entry
-from twin.topology import PIPES
+from twin.rig import RIG, Choice, Entry, Values
 
 WIDE = {"length": "m", "young": "GPa", "speed": "rpm", "efficiency_speed": "rpm"}  # and where another unit reads better
 
@@ -99,8 +101,7 @@ def facts(scenario: Scenario) -> list[Fact]:
     """
     circuit = circuit_of(scenario)
     rest_of(scenario)
-    oil = circuit.parts.oil
-    found = [Fact("oil: viscosity, bulk modulus", f"{oil.viscosity * 1e6:.4g} mm^2/s, {oil.bulk_modulus:.4g} Pa")]
+    found = _oil_facts(circuit)
     found += [*supply_facts(circuit, supply_of(scenario)), *relief_facts(circuit, scenario)]
     return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario), *_channel_facts(scenario)]
 
@@ -113,12 +114,36 @@ def _load_facts(circuit: Circuit) -> list[Fact]:
 
 
 def _line_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
-    found = []
-    for pipe, travel, z0 in zip(PIPES, circuit.lines.travel_time, circuit.lines.z0, strict=True):
-        speed = scenario.rig_values()[pipe]["length"] / travel
-        text = f"{speed:.0f} m/s, {travel * 1e3:.3g} ms, {z0 / 6e9:.3g} bar/(l/min)"
+    found, rig, lines = [], scenario.rig_values(), circuit.lines
+    for number, pipe in enumerate(fitted_pipes(rig)):
+        travel, per_bar = float(lines.travel_time[number]), 1e11 * float(lines.capacity[number])
+        if travel == 0.0:
+            volume = 1e6 * pipe_volume(rig[pipe])
+            found.append(Fact(f"{pipe}: one volume, and what it takes", f"{volume:.3g} cm^3, {per_bar:.3g} cm^3/bar"))
+            continue
+        text = (
+            f"{rig[pipe]['length'] / travel:.0f} m/s, {travel * 1e3:.3g} ms, {lines.z0[number] / 6e9:.3g} bar/(l/min)"
+        )
         found.append(Fact(f"{pipe}: wave speed, travel time, characteristic impedance", text))
-    return found
+    return [*found, *_creep_facts(circuit, rig)]
+
+
+def _creep_facts(circuit: Circuit, rig: Values) -> list[Fact]:
+    late = circuit.lines.settled_capacity / circuit.lines.capacity - 1.0
+    return [
+        Fact(f"{pipe}: oil that its wall takes late, over that at once", f"{100.0 * share:.3g} %")
+        for pipe, share in zip(fitted_pipes(rig), late, strict=True)
+        if share > 0.0
+    ]
+
+
+def _oil_facts(circuit: Circuit) -> list[Fact]:
+    oil, air = circuit.parts.oil, circuit.parts.cylinder.air
+    found = [Fact("oil: viscosity, bulk modulus", f"{oil.viscosity * 1e6:.4g} mm^2/s, {oil.bulk_modulus:.4g} Pa")]
+    if isinstance(air, NoAir):
+        return found
+    stiff = [f"{effective_bulk_modulus(air, oil.bulk_modulus, 1e5 * bar):.3g}" for bar in (0.0, 10.0, 50.0, 100.0)]
+    return [*found, Fact("oil: bulk modulus with its air at 0, 10, 50, 100 bar", ", ".join(stiff) + " Pa")]
 
 
 def _channel_facts(scenario: Scenario) -> list[Fact]:

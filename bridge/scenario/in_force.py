@@ -51,6 +51,7 @@ KIND_READS: dict[str, Only] = {  # where a section has numbers of several kinds;
         "cracking_pressure": ("check",),
     },
     "oil": {
+        "density": ("thesis", "numbers"),
         "wave_speed": ("thesis",),
         "temperature": ("thesis", "iso-vg"),
         "bulk_modulus": ("numbers", "iso-vg"),

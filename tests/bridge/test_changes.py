@@ -274,7 +274,10 @@ def test_what_cannot_happen_is_refused_with_its_entry(entry: str, said: str):
     ("entry", "said"),
     [
         ('{set="rig.load.mass", at=0.1, to="2 g"}', "rig.load.mass = 0.002: load.mass 0.002 kg swings too fast"),
-        ('{set="rig.oil.wave_speed", at=0.1, to="900 m/s"}', "only lines of model 'lumped' can take that"),
+        (
+            '{set="rig.oil.wave_speed", at=0.1, to="900 m/s"}',
+            "model 'lumped', 'volume' or 'none' can take that",
+        ),
     ],
 )
 def test_what_the_rig_cannot_be_is_refused_before_the_run(entry: str, said: str):

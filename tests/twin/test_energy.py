@@ -24,7 +24,7 @@ from twin.circuit.limits import oil_spring
 from twin.circuit.state import Flows, Pressures
 from twin.circuit.step import Circuit, Piston, Spool
 
-MODELS = ("ends", "nodes", "lumped")
+MODELS = ("ends", "nodes", "lumped", "volume", "none")
 VALVES = ("proportional", "switching")
 PUMP_OFF = {"speed": 0.0, "efficiency": 1.0}
 UNFITTED = {"filter": {"drop": 0.0}, "two_position_valve": {"drop": 0.0}, "relief": {"kind": "none"}}
@@ -101,11 +101,11 @@ def test_no_line_gives_more_work_than_it_has_taken(model: str):
     power = (np.array(pressure) * np.array(flow)).reshape(len(flow), -1, 2)[:, :6]
     work = c.parts.step * power.sum(axis=2).cumsum(axis=0)
     turned = c.parts.step * np.abs(power).sum(axis=(0, 2))
-    assert (turned > 1.0).all()  # [J]
+    assert (turned > 0.01).all()  # [J]; over 1 J with waves, which a volume at the tank does not have
     assert (work.min(axis=0) >= -1e-12 * turned).all()
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", MODELS[:3])  # of one volume: no friction, so nothing comes to rest
 @pytest.mark.parametrize("mass", [60.0, 303.0])
 def test_a_push_never_grows_and_comes_to_rest(model: str, mass: float):
     """Pump off, valve shut, no seal: what holds the load starts even, so the push is all there is to swing with.

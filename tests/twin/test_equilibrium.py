@@ -83,7 +83,7 @@ def test_a_pump_that_runs_up_starts_from_nothing():
     assert pressures(start).pump == pressures(start).tee == flows(start).line_1 == 0.0
 
 
-@pytest.mark.parametrize("model", ["ends", "nodes", "lumped"])
+@pytest.mark.parametrize("model", ["ends", "nodes", "lumped", "volume", "none"])
 def test_a_tight_circuit_at_rest_stays_where_it_is(model: str):
     """A second of steps with a smooth pump and every model of a line: pressures to 1 Pa, the piston to the bit."""
     c = circuit(pump=SMOOTH, cylinder=TIGHT, **pipes(model=model))

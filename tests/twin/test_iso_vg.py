@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from twin.iso_vg import GRADES, grade_density, grade_viscosity
+from twin.iso_vg import GRADES, grade_viscosity
 
 D2270 = (  # from nu at 100 deg C: L = a Y^2 + b Y + c of index 0, H = d Y^2 + e Y + f of index 100
     (3.8, (3.38095, -15.4952, 33.196, 0.78571, 1.7929, -0.183)),
@@ -41,9 +41,3 @@ def test_viscosity_is_a_straight_line_on_walthers_chart(grade: str):
 def test_viscosities_are_those_of_a_makers_chart(grade: str, celsius: float, read: float):
     """Read off a chart of hydraulic oils, mm^2/s; 15 %: its lines are wide, its oils not all of index 100."""
     assert 1e6 * grade_viscosity(grade, celsius) == pytest.approx(read, rel=0.15)
-
-
-def test_thicker_oils_are_denser_and_warm_ones_lighter():
-    densities = [grade_density(grade, 15.0) for grade in GRADES]
-    assert densities == sorted(densities)
-    assert grade_density("46", 40.0) == pytest.approx(862.0, abs=1.0)

@@ -58,7 +58,7 @@ def test_losses_are_resistances_that_only_take_energy(flow: list[float]):
     assert all(minor_drop(losses, line, flow[line]) * flow[line] >= 0.0 for line in range(6))
 
 
-@pytest.mark.parametrize("model", ["ends", "nodes", "lumped"])
+@pytest.mark.parametrize("model", ["ends", "nodes", "lumped", "volume", "none"])
 def test_oil_is_kept_whatever_is_lost(model: str):
     """With losses a hundred times the rig's, thrown open and shut: oil stored less pumped, relieved and returned."""
     c = lossy(300.0, **pipes(model=model))

@@ -32,7 +32,7 @@ def run(scenario: str, *changes: str) -> list:
     return [m for tick in exchange(*sides(loaded), loaded.ticks) for m in tick]
 
 
-@pytest.mark.parametrize("model", ["ends", "nodes", "lumped"])
+@pytest.mark.parametrize("model", ["ends", "nodes", "lumped", "volume", "none"])
 def test_at_rest_each_line_is_a_straight_line_between_what_its_ends_have(model: str):
     c = circuit(50e-6, **pipes(model=model))
     state = equilibrium(c, 0.1)

@@ -9,6 +9,7 @@ from twin.amplifier import Amplifiers, Direct, lag
 from twin.circuit.build_supply import accumulators, check_valve, fitting, return_end, supply
 from twin.circuit.fit_accessories import necks
 from twin.circuit.limits import refuse_coarse_step
+from twin.circuit.oil import air_of, line_spec, oil_of, pipe_volume
 from twin.circuit.step import AtTee, Circuit, OwnLine, Parts
 from twin.contact import Stops
 from twin.cylinder import Cylinder
@@ -16,13 +17,13 @@ from twin.directional_valve import Valve
 from twin.lines.bank import Bank, LineSpec, bank_of
 from twin.load import Load, buffer_stiffness
 from twin.minor_losses import Losses, MinorLosses, NoLosses, loss_per_flow_squared
-from twin.oil import Oil, effective_modulus, fluid_modulus, kinematic_viscosity
+from twin.oil import Oil
 from twin.orifice import Orifice, area_for
 from twin.relief.direct import direct_relief
 from twin.relief.slot import AnyRelief, NoRelief
 from twin.relief.steady import precompression_for
 from twin.relief.valve import Relief, relief
-from twin.rig import Values, values
+from twin.rig import Values
 from twin.seal import Seal, seal
 from twin.spool_valve import SpoolValve, step_matrix
 from twin.switching_valve import SwitchingValve
@@ -30,12 +31,11 @@ from twin.topology import PIPES, RELIEF_LINE
 
 Entries = Mapping[str, Any]
 REMEMBERED = 1000  # lines and screws of what was built before: both take some 40 ms
-BOTTOMLESS = -1e12  # [Pa], vapour pressure of oil that bears any tension
 
 
 def build(rig: Values, step: float) -> Circuit:
     """The circuit of a rig at an internal step [s]. Raises ValueError where the step is too coarse for a part."""
-    oil, pipes = _oil(rig), [rig[name] for name in fitted_pipes(rig)]
+    oil = oil_of(rig)
     parts = Parts(
         step=step,
         oil=oil,
@@ -48,15 +48,15 @@ def build(rig: Values, step: float) -> Circuit:
         return_end=return_end(rig, oil),
         valve=_directional_valve(rig, oil, step),
         necks=necks(rig, oil, step),
-        cylinder=_cylinder(rig["cylinder"], oil),
+        cylinder=_cylinder(rig, oil),
         seal=_seal(rig["seal"], oil),
         stops=_stops(rig),
         load=_load(rig["load"]),
         losses=_losses(rig, oil),
         amplifiers=_amplifiers(rig["amplifier"], step),
-        line_volume=sum(math.pi / 4.0 * pipe["diameter"] ** 2 * pipe["length"] for pipe in pipes),
+        line_volume=sum(pipe_volume(rig[name]) for name in fitted_pipes(rig)),
     )
-    lines = _lines(tuple(_line(pipe, oil) for pipe in pipes), step, oil.vapour_pressure)
+    lines = _lines(_specs(rig, oil), step, oil.vapour_pressure)
     circuit = Circuit(parts, lines)
     refuse_coarse_step(circuit)
     return circuit
@@ -99,7 +99,7 @@ MADE: dict[str, Callable[[Values, Parts], dict[str, Any]]] = {  # fields of Part
     "accessory_a": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
     "accessory_b": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
     "cushion": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
-    "cylinder": lambda rig, parts: {"cylinder": _cylinder(rig["cylinder"], parts.oil), "stops": _stops(rig)},
+    "cylinder": lambda rig, parts: {"cylinder": _cylinder(rig, parts.oil), "stops": _stops(rig)},
     "seal": lambda rig, parts: {"seal": _seal(rig["seal"], parts.oil)},
     "load": lambda rig, _: {"load": _load(rig["load"])},
     "minor_losses": lambda rig, parts: {"losses": _losses(rig, parts.oil)},
@@ -112,17 +112,17 @@ def _with_parts(circuit: Circuit, fields: dict[str, Any]) -> Circuit:
 
 
 def _with_oil(circuit: Circuit, rig: Values) -> Circuit:
-    oil, step = _oil(rig), circuit.parts.step
+    oil, step = oil_of(rig), circuit.parts.step
     fields = {
         "oil": oil,
         "relief": _as_screwed(rig, circuit.parts, oil),
         "return_end": return_end(rig, oil),
         **accumulators(rig, oil),
         "necks": necks(rig, oil, step),
-        "cylinder": _cylinder(rig["cylinder"], oil),
+        "cylinder": _cylinder(rig, oil),
         "seal": _seal(rig["seal"], oil),
     }
-    lines = tuple(_line(rig[name], oil) for name in fitted_pipes(rig))
+    lines = _specs(rig, oil)
     return _with_parts(circuit, fields)._replace(lines=_lines(lines, step, oil.vapour_pressure))
 
 
@@ -132,20 +132,6 @@ def _as_screwed(rig: Values, parts: Parts, oil: Oil) -> AnyRelief:
         return _relief(rig, oil, parts.step)
     pilot = parts.relief.pilot
     return relief(relief_sizes(rig["relief"], pilot.preload / pilot.stiffness), oil)
-
-
-def _oil(rig: Values) -> Oil:
-    """The fluid's own modulus follows from the wave speed measured in the steel pipe, (2.8), (2.9)."""
-    oil, measured = rig["oil"], values()["pipe_1"]
-    bore, wall, young = (measured[name] for name in ("diameter", "wall", "young"))
-    modulus = fluid_modulus(oil["density"] * oil["wave_speed"] ** 2, bore, wall, young)
-    if not 0.0 < modulus < math.inf:
-        raise ValueError(
-            f"oil.wave_speed {oil['wave_speed']} m/s is more than the steel pipe allows: its wall alone makes it "
-            f"{math.sqrt(wall * young / (bore * oil['density'])):.0f} m/s; take a smaller one"
-        )
-    vapour = oil["vapour_pressure"] if oil["cavitation"] == "vapour" else BOTTOMLESS
-    return Oil(oil["density"], kinematic_viscosity(oil["temperature"]), modulus, vapour)
 
 
 def _relief(rig: Values, oil: Oil, step: float) -> AnyRelief:
@@ -173,7 +159,7 @@ def relief_sizes(valve: Entries, precompression: float) -> dict[str, Any]:
 def _relief_place(rig: Values) -> AtTee | OwnLine:
     if rig["relief"]["place"] == "tee":
         return AtTee()
-    return OwnLine(math.pi / 4.0 * rig[RELIEF_LINE]["diameter"] ** 2 * rig[RELIEF_LINE]["length"])
+    return OwnLine(pipe_volume(rig[RELIEF_LINE]))
 
 
 def _directional_valve(rig: Values, oil: Oil, step: float) -> Valve:
@@ -206,7 +192,8 @@ def _switching(valve: Entries, oil: Oil) -> SwitchingValve:
     return SwitchingValve(*speeds, valve["cylinder_opens"], valve["idle_shuts"], area, orifice)
 
 
-def _cylinder(cylinder: Entries, oil: Oil) -> Cylinder:
+def _cylinder(rig: Values, oil: Oil) -> Cylinder:
+    cylinder = rig["cylinder"]
     bore, rod = cylinder["bore"], cylinder["rod"]
     if rod >= bore:
         raise ValueError(f"cylinder.rod {rod} m must be thinner than cylinder.bore {bore} m")
@@ -219,6 +206,7 @@ def _cylinder(cylinder: Entries, oil: Oil) -> Cylinder:
         leakage=1.0 / cylinder["leakage_resistance"],
         bulk_modulus=oil.bulk_modulus,
         vapour_pressure=oil.vapour_pressure,
+        air=air_of(rig, oil),
     )
 
 
@@ -237,7 +225,7 @@ def _losses(rig: Values, oil: Oil) -> Losses:
     losses = rig["minor_losses"]
     if losses["kind"] == "none":
         return NoLosses()
-    sizes = [(losses[name], rig[name]["diameter"]) for name in PIPES]
+    sizes = [(0.0 if rig[name]["model"] == "none" else losses[name], rig[name]["diameter"]) for name in PIPES]
     return MinorLosses(*(0.5 * loss_per_flow_squared(zeta, diameter, oil.density) for zeta, diameter in sizes))
 
 
@@ -257,8 +245,6 @@ def _lines(specs: tuple[LineSpec, ...], step: float, vapour_pressure: float) -> 
     return bank_of(specs, step, vapour_pressure)
 
 
-def _line(pipe: Entries, oil: Oil) -> LineSpec:
-    modulus = effective_modulus(oil.bulk_modulus, pipe["diameter"], pipe["wall"], pipe["young"])
-    return LineSpec(
-        pipe["length"], pipe["diameter"], modulus, oil.density, oil.viscosity, pipe["model"], pipe["friction"]
-    )
+def _specs(rig: Values, oil: Oil) -> tuple[LineSpec, ...]:
+    air, pressure = air_of(rig, oil), rig["oil"]["air_pressure"]
+    return tuple(line_spec(rig[name], oil, air, pressure) for name in fitted_pipes(rig))

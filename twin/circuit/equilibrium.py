@@ -189,7 +189,7 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     lost = np.repeat([loss_at_end(parts.losses, line) if line < LINES else 0.0 for line in range(len(through))], 2)
     inner = pressure - lost * np.abs(flow) * flow
     settle(lines, memory, inner, through)
-    oil = lines.capacity * inner.reshape(-1, 2).mean(axis=1)
+    oil = lines.settled_capacity * inner.reshape(-1, 2).mean(axis=1)
     pressure[[LOWER, UPPER]] = p.lower, p.upper
     cavity, free, impedance = np.zeros((3, END_COUNT))
     ends = Ends(_padded(pressure), _padded(flow), cavity, free, impedance, np.resize(_padded(oil), END_COUNT // 2))

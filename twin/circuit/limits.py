@@ -35,6 +35,7 @@ def limits(circuit: Circuit) -> list[Limit]:
     found = [
         Limit(pipe, "wave travel time", float(time), float(time) / STEPS_PER_TRAVEL)
         for pipe, time in zip((*PIPES, RELIEF_LINE), circuit.lines.travel_time, strict=False)
+        if time > 0.0
     ]
     found.append(_oscillator("load", "on the oil shut in, stiffest place", stiffest, parts.load.mass))
     if parts.load.added > 0.0:

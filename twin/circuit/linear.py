@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.air import tangent
 from twin.circuit.block import compiled
 from twin.circuit.equilibrium import behind_check, state_at, supply_at_rest
 from twin.circuit.rates import (
@@ -42,6 +43,7 @@ from twin.circuit.state import (
 from twin.circuit.step import Circuit, Piston
 from twin.directional_valve import Spool, is_switching
 from twin.fitting import fitting_slope
+from twin.lines.bank import VOLUME
 from twin.lines.bank import steady_slope as line_slope
 from twin.minor_losses import loss_at_end
 from twin.orifice import flow_slopes
@@ -176,19 +178,10 @@ def linearise(
 
 def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0) -> Array:
     """Slopes of `vector_rates` by STATES, where pressures stand still; edge as in `linearise`."""
-    c, lines = circuit.parts, circuit.lines
+    c = circuit.parts
     a = np.zeros((len(STATES), len(STATES)))
-    a[:FLOW] = _inflow_slopes(y, circuit, edge) / _capacities(y, circuit)[:, None]
-    for line, (source, sink) in enumerate(LINE_ENDS):
-        q = float(y[FLOW + line])
-        a[FLOW + line, FLOW + line] = -line_slope(lines, line, q) - (fitting_slope(q, c.fitting) if line == 1 else 0.0)
-        if sink < 0:
-            a[FLOW + line, FLOW + line] -= return_slope(c.return_end, q)
-        a[FLOW + line, FLOW + line] -= 4.0 * loss_at_end(c.losses, line) * abs(q)
-        a[FLOW + line, source] = 1.0
-        if sink >= 0:
-            a[FLOW + line, sink] = -1.0
-        a[FLOW + line] /= lines.inertance[line]
+    a[FLOW:X] = _line_slopes(y, circuit)
+    a[:FLOW] = _inflow_slopes(y, circuit, edge, a[FLOW:X]) / _capacities(y, circuit)[:, None]
     a[V, [LOWER, UPPER, V]] = np.array([c.cylinder.area_lower, -c.cylinder.area_upper, -viscous]) / c.load.mass
     omega = c.valve.natural_frequency
     a[S_RATE, [S, S_RATE]] = -(omega**2), -2.0 * c.valve.damping * omega
@@ -196,24 +189,41 @@ def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0)
     return a
 
 
-def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None) -> Array:
-    """Slopes of C p' = S' - V' (1 + p/B), a row per place."""
-    c, slopes = circuit.parts, np.zeros((FLOW, len(STATES)))
+def _line_slopes(y: Array, circuit: Circuit) -> Array:
+    """Slopes of the rates of the flows, a row per line."""
+    c, lines, a = circuit.parts, circuit.lines, np.zeros((X - FLOW, len(STATES)))
     for line, (source, sink) in enumerate(LINE_ENDS):
-        slopes[source, FLOW + line] = -1.0
+        q = float(y[FLOW + line])
+        a[line, FLOW + line] = -line_slope(lines, line, q) - (fitting_slope(q, c.fitting) if line == 1 else 0.0)
+        if sink < 0:
+            a[line, FLOW + line] -= return_slope(c.return_end, q)
+        a[line, FLOW + line] -= 4.0 * loss_at_end(c.losses, line) * abs(q)
+        a[line, source] = 1.0
         if sink >= 0:
-            slopes[sink, FLOW + line] = 1.0
+            a[line, sink] = -1.0
+        a[line] /= lines.inertance[line]
+    return a
+
+
+def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None, of_lines: Array) -> Array:
+    """Slopes of C p' = S' - V' S/V, a row per place; of_lines: those of the rates of the flows."""
+    c, lines, slopes = circuit.parts, circuit.lines, np.zeros((FLOW, len(STATES)))
+    for line, (source, sink) in enumerate(LINE_ENDS):
+        through = 0.5 * lines.step * of_lines[line] if lines.model[line] == VOLUME else np.zeros(len(STATES))
+        through[FLOW + line] += 1.0
+        slopes[source] -= through
+        if sink >= 0:
+            slopes[sink] += through
     leak = Land(LOWER, UPPER, c.cylinder.leakage, 0.0)
     for source, sink, by_drop, by_spool in (leak, *lands(y, circuit, edge)):
         slopes[source, [source, sink, S]] += -by_drop, by_drop, -by_spool
         slopes[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
     slopes[PUMP, PUMP] += steady_supply(c.supply, float(y[PUMP]), 1.0, c.oil)[1]
     slopes[TEE, TEE] -= relief_slope(c.relief, float(y[TEE]))
-    per_stroke = c.cylinder.area_lower / c.oil.bulk_modulus, c.cylinder.area_upper / c.oil.bulk_modulus
-    slopes[LOWER, LOWER] -= per_stroke[0] * y[V]
-    slopes[UPPER, UPPER] += per_stroke[1] * y[V]
-    slopes[LOWER, V] = -c.cylinder.area_lower - per_stroke[0] * y[LOWER]
-    slopes[UPPER, V] = c.cylinder.area_upper + per_stroke[1] * y[UPPER]
+    for place, area, sign in ((LOWER, c.cylinder.area_lower, -1.0), (UPPER, c.cylinder.area_upper, 1.0)):
+        slope, empty = tangent(c.cylinder.air, c.cylinder.bulk_modulus, area, float(y[place]))
+        slopes[place, place] += sign * slope * y[V]
+        slopes[place, V] = sign * (empty + slope * y[place])
     return slopes
 
 

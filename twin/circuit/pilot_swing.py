@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.step import Circuit
+from twin.lines.bank import VOLUME
 from twin.lines.theory import losses
 from twin.minor_losses import loss_at_end
 from twin.relief.pilot_theory import swings_with_lines
@@ -25,6 +26,8 @@ SCANNED, HALVINGS = 10, 6  # flows from that at rest down to none, and how often
 
 def line_admittance(s: Array, line: int, diameter: float, beyond: Array | float, circuit: Circuit) -> Array:
     """Y(s) [m^3/(s Pa)] at one end of a line with an admittance beyond its other end."""
+    if circuit.lines.model[line] == VOLUME:
+        return beyond + s * float(circuit.lines.capacity[line])
     z0, travel = float(circuit.lines.z0[line]), float(circuit.lines.travel_time[line])
     n = np.sqrt(losses(s, diameter**2 / (4.0 * circuit.parts.oil.viscosity), "unsteady"))
     own, through = 1.0 / (z0 * n), np.tanh(s * travel * n)

@@ -3,15 +3,17 @@
 It states once more, without time steps, what `circuit` integrates when its lines are lumped: any integrator of the
 reader's choice can check the scheme against it, and `linear` takes its slopes. Fittings and what the return line ends
 in count to their line's own resistance, an accumulator's gas to the capacity of its place, its inlet left out. Relief
-valve and swash plate follow their steady curves. Left out is what has no rate: end stops, limits of the spool,
-cavities, the weight that joins, check valves that shut, and the set-valued seal friction, in whose place a viscous
-slope may stand.
+valve and swash plate follow their steady curves. A line of one volume has the inertance of its scheme and the
+resistance beside it (`lines/volume.py`): the flow at its ends is Q + h Q'/2. Left out is what has no rate: end stops,
+limits of the spool, cavities, the weight that joins, check valves that shut, and the set-valued seal friction, in whose
+place a viscous slope may stand; and what a wall gives late.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.accumulator import gas_capacity
+from twin.air import compression, tangent
 from twin.check_valve import cracking_drop_of
 from twin.circuit.state import Flows, Pressures
 from twin.circuit.step import Circuit
@@ -19,7 +21,7 @@ from twin.cylinder import chamber_volumes
 from twin.directional_valve import land_orifice, lands_at, spool_acceleration
 from twin.fitting import fitting_resistance
 from twin.kernel import inlined, kernel
-from twin.lines.bank import steady_drop, unpacked
+from twin.lines.bank import VOLUME, steady_drop, unpacked
 from twin.minor_losses import minor_drop
 from twin.orifice import flow
 from twin.relief.slot import steady_relief
@@ -60,20 +62,22 @@ def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> No
     _inflows(y, c, out)
     for line in range(LINES):
         first, second = LINE_ENDS[line]
-        out[first] -= y[FLOW + line]
-        drop = y[first]
-        if second >= 0:
-            out[second] += y[FLOW + line]
-            drop -= y[second]
+        drop = y[first] - (y[second] if second >= 0 else 0.0)
         if line == 1:
             drop -= cracking_drop_of(c.check) + fitting_resistance(y[FLOW + 1], c.fitting) * y[FLOW + 1]
         if second < 0:
             drop -= return_drop(c.return_end, y[FLOW + line])
         drop -= minor_drop(c.losses, line, y[FLOW + line])
-        out[FLOW + line] = (drop - steady_drop(lines, line, y[FLOW + line])) / lines.inertance[line]
-    b, cylinder = c.oil.bulk_modulus, c.cylinder
-    out[LOWER] -= cylinder.area_lower * (1.0 + y[LOWER] / b) * y[V]
-    out[UPPER] += cylinder.area_upper * (1.0 + y[UPPER] / b) * y[V]
+        rate = (drop - steady_drop(lines, line, y[FLOW + line])) / lines.inertance[line]
+        through = y[FLOW + line] + (0.5 * lines.step * rate if lines.model[line] == VOLUME else 0.0)
+        out[FLOW + line] = rate
+        out[first] -= through
+        if second >= 0:
+            out[second] += through
+    cylinder = c.cylinder
+    air, b = cylinder.air, cylinder.bulk_modulus
+    out[LOWER] -= cylinder.area_lower * compression(air, b, y[LOWER]) * y[V]
+    out[UPPER] += cylinder.area_upper * compression(air, b, y[UPPER]) * y[V]
     for place in range(FLOW):
         out[place] /= _capacity(place, y[X], y[place], c, lines)
     out[X] = y[V]
@@ -109,11 +113,11 @@ def _capacity(place: int, position: float, pressure: float, c, lines) -> float:
     for line in range(LINES):
         if LINE_ENDS[line][0] == place or LINE_ENDS[line][1] == place:
             total += 0.5 * lines.capacity[line]
-    volume = chamber_volumes(position, c.cylinder)
+    cylinder, volume = c.cylinder, chamber_volumes(position, c.cylinder)
     if place == LOWER:
-        total += volume.lower / c.oil.bulk_modulus
+        total += tangent(cylinder.air, cylinder.bulk_modulus, volume.lower, pressure)[0]
     if place == UPPER:
-        total += volume.upper / c.oil.bulk_modulus
+        total += tangent(cylinder.air, cylinder.bulk_modulus, volume.upper, pressure)[0]
     if place == TEE:
         total += gas_capacity(c.tee_accumulator, pressure)
     if place == P:

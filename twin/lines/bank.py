@@ -203,7 +203,7 @@ def departing(bank, memory, tick: int, q) -> None:
     if len(bank.lumped_lines):
         lumped.departing(bank.lumped_lines, bank.lumped_place, bank.lumped_numbers, memory, q)
     if len(bank.volume_lines):
-        volume.departing(bank.volume_lines, bank.volume_place, bank.volume_numbers, memory, q)
+        volume.departing(bank.volume_lines, bank.volume_place, bank.volume_numbers, memory, q, bank.vapour_pressure)
 
 
 @kernel
