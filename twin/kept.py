@@ -23,7 +23,26 @@ def _lift(words: str, number: int = FOLLOWS) -> Kept:
     return Kept(Sensor("m", "lift_range", f", lift of {words}"), number)
 
 
+def _accessory(port: str) -> dict[str, dict[str, Kept]]:
+    """Of a valve between a line and its chamber: the line's end before it, and the lift of one that has a body."""
+    line = {"pressure": Kept(Sensor("Pa", "pressure_range", f" gauge, line before the accessory at {port}"), 11)}
+    body = {"lift": _lift(f"the accessory at {port}", 0), **line}
+    return {"counterbalance": body, "pilot-check": body, "throttle": line, "throttle-check": line}
+
+
 KEPT: dict[str, dict[str, dict[str, Kept]]] = {  # section of the rig, its kind, and the word
+    "supply": {
+        "variable": {"displacement": Kept(Sensor("", "", ", of the variable pump, share of its greatest"), 0)},
+    },
+    "accumulator": {
+        "bladder": {
+            "gas_pressure": Kept(Sensor("Pa", "pressure_range", " gauge, of the accumulator's gas"), 3),
+            "oil": Kept(Sensor("m^3", "volume_range", ", of oil in the accumulator"), 0),
+            "flow": Kept(Sensor("m^3/s", "flow_range", ", into the accumulator", signed=True), 1),
+        }
+    },
+    "accessory_a": _accessory("A"),
+    "accessory_b": _accessory("B"),
     "relief": {
         "two-stage": {
             "pilot": _lift("the relief valve's pilot poppet"),

@@ -23,6 +23,7 @@ from bridge.scenario.fields import (
     Seconds,
     Speed,
     TickShare,
+    Volume,
 )
 from bridge.scenario.files import DURATION
 from bridge.scenario.reach import refuse_far
@@ -83,6 +84,7 @@ class Daq(Part):
     flow_range: Flow = Field(default=100e-3 / 60.0, gt=0.0, description="of further channels, +- this, assumed")
     force_range: Force = Field(default=20e3, gt=0.0, description="of a further channel, +- this, assumed")
     acceleration_range: Acceleration = Field(default=100.0, gt=0.0, description="+- this, assumed")
+    volume_range: Volume = Field(default=10e-3, gt=0.0, description="of a further channel, 0 to this, assumed")
     lift_range: Metres = Field(default=6e-3, gt=0.0, description="of further channels, 0 to this, assumed")
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from twin.circuit.block import MASS, Compiled
 from twin.circuit.state import SLOTS_AT, place_of
-from twin.kept import FOLLOWS, Kept, kept
+from twin.kept import FOLLOWS, kept
 from twin.topology import CHANNELS, OBSERVED, SLOT, SLOTS
 
 Array = NDArray[np.float64]
@@ -23,6 +23,11 @@ Values = Mapping[str, Mapping[str, Any]]
 PLACES_SEEN = {name: place for place, name in enumerate(OBSERVED)}
 POSITION_AT, FACE_AT, CARRIED_AT = map(place_of, ("piston.position", "weight.position", "weight.carried"))
 SPEED = [*CHANNELS].index("velocity")  # of the taps
+
+
+def _place(slot: str, number: int) -> int:
+    """Where a kind's number stands in a flat state."""
+    return SLOTS_AT + SLOT * SLOTS.index(slot) + number
 
 
 class Moment(NamedTuple):
@@ -46,7 +51,10 @@ def force(now: Moment) -> float:
     return now.seen[MASS] * (load["gravity"] + acceleration(now)) - load["force"] + load["stiffness"] * pressed
 
 
-DERIVED: dict[str, Callable[[Moment], float]] = {"force": force, "acceleration": acceleration}
+DERIVED: dict[str, Callable[[Moment], float]] = {
+    "force": force,
+    "acceleration": acceleration,
+}
 
 
 class Sensing:
@@ -55,7 +63,7 @@ class Sensing:
     def __init__(self, names: Iterable[str], plant: Compiled, values: Values) -> None:
         """values: the numbers of the rig, which say what is fitted."""
         chosen, own = [*enumerate(names)], kept(values)
-        held = {name: _place(slot, entry) for name, (slot, entry) in own.items() if entry.number != FOLLOWS}
+        held = {name: _place(slot, entry.number) for name, (slot, entry) in own.items() if entry.number != FOLLOWS}
         self._parts = plant.parts
         self._values = np.zeros(len(chosen))
         self._seen = _pairs((j, PLACES_SEEN.get(name)) for j, name in chosen)
@@ -71,11 +79,6 @@ class Sensing:
         for j, derived in self._derived:
             self._values[j] = derived(now)
         return self._values
-
-
-def _place(slot: str, entry: Kept) -> int:
-    """Where a kind's number stands in a flat state."""
-    return SLOTS_AT + SLOT * SLOTS.index(slot) + entry.number
 
 
 def _pairs(found: Iterable[tuple[int, int | None]]) -> tuple[Places, Places]:
