@@ -27,7 +27,7 @@ from bridge.studies.stability.trial import stand, trial
 from bridge.wire.messages import OF_SOME_RUNS
 from tests.support.command import hydrotwin_here
 from tests.support.processes import LOOSE, run_recorded
-from twin import accumulator, counterbalance, pilot_check, variable_pump
+from twin import accumulator, compliant, counterbalance, lugre, pilot_check, variable_pump
 from twin.accessory import LINE
 from twin.circuit.block import compiled
 from twin.circuit.sensing import DERIVED, Sensing
@@ -44,6 +44,8 @@ MEMORIES = {
     "bladder": accumulator.MEMORY,
     "counterbalance": counterbalance.MEMORY,
     "pilot-check": pilot_check.MEMORY,
+    "lugre": lugre.MEMORY,
+    "compliant": compliant.MEMORY,
 }
 SENSORS = sensors(load("step").rig_values())
 LAW = """\
