@@ -13,11 +13,12 @@ from tests.support.plant import BAR, FRICTIONLESS, TIGHT, circuit, pipes, run, s
 from twin.accumulator import OIL, Accumulator, gas_energy
 from twin.circuit.block import observed
 from twin.circuit.build import rebuild
+from twin.circuit.ends import TEE_1, TEE_2
 from twin.circuit.equilibrium import equilibrium, supply_at_rest
 from twin.circuit.linear import jacobian, moving_point, to_vector
 from twin.circuit.rates import vector_rates
 from twin.circuit.state import oil_in, pressures
-from twin.circuit.step import TEE_1, TEE_2, A, B, Circuit, P, T
+from twin.circuit.step import A, B, Circuit, P, T
 from twin.rig import values
 
 DRIVES: dict[str, dict[str, Any]] = {

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from twin.accumulator import OIL as ACCUMULATED
 from twin.accumulator import is_fitted
 from twin.amplifier import amplify, is_amplified
+from twin.circuit.ends import TEE_2
 from twin.circuit.state import (
     ENDS_AT,
     MEMORY_AT,
@@ -28,7 +29,7 @@ from twin.circuit.state import (
     store,
     unflatten,
 )
-from twin.circuit.step import LOWER, PUMP, TEE_2, UPPER, Circuit, Core, Ends, Parts, Slots, seal_force, step_once
+from twin.circuit.step import LOWER, PUMP, UPPER, Circuit, Core, Ends, Parts, Slots, seal_force, step_once
 from twin.cylinder import chamber_cavities
 from twin.kernel import INTERPRETED, entry, field_names, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked

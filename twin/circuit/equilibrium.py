@@ -8,23 +8,9 @@ import numpy as np
 from twin.accessory import INFLOW, LINE, Necks, begin_accessory, resting_neck
 from twin.accumulator import begin_accumulator
 from twin.check_valve import cracking_drop, is_check
+from twin.circuit.ends import TEE_1, TEE_2, VALVE_END
 from twin.circuit.state import Flows, Pressures, State
-from twin.circuit.step import (
-    LOWER,
-    TANK,
-    TEE_1,
-    TEE_2,
-    UPPER,
-    VALVE_END,
-    AtTee,
-    Circuit,
-    Core,
-    Ends,
-    Ledger,
-    OwnLine,
-    Piston,
-    Slots,
-)
+from twin.circuit.step import LOWER, TANK, UPPER, AtTee, Circuit, Core, Ends, Ledger, OwnLine, Piston, Slots
 from twin.cylinder import Chambers, stored_oil
 from twin.directional_valve import Spool, land_orifice, lands_at
 from twin.fitting import fitting_resistance

@@ -16,13 +16,31 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 from twin.accessory import INFLOW, LINE, Joined, Necks, accessory_neck, cushioned
-from twin.accumulator import AnyAccumulator, fill_accumulator, is_fitted, taken, with_accumulator
+from twin.accumulator import AnyAccumulator, fill_accumulator, with_accumulator
 from twin.amplifier import Amplifiers, Direct
-from twin.check_valve import AnyCheck, CheckValve, NoCheck, before_check, is_check, passes
+from twin.check_valve import AnyCheck
+from twin.circuit.ends import (
+    BACK_5,
+    BACK_6,
+    LOWER,
+    PUMP,
+    TANK,
+    UPPER,
+    A,
+    B,
+    Ends,
+    P,
+    Slots,
+    T,
+    deliver,
+    port_at,
+    set_pressure,
+)
+from twin.circuit.tee import AtTee, OwnLine, relief_side
 from twin.contact import Stops, stopped, travel
 from twin.cylinder import Chambers, Cylinder, drive, fill_chambers
 from twin.directional_valve import Spool, Valve, move_valve, valve_flows
-from twin.fitting import Fitting, fitting_resistance
+from twin.fitting import Fitting
 from twin.kernel import by_type, inlined
 from twin.lands import Ports
 from twin.lines.bank import Bank, arriving, departing
@@ -30,26 +48,11 @@ from twin.load import Load, Weight, carried_mass, contact_force, kick_weight, mo
 from twin.minor_losses import Losses, resist
 from twin.necked_cylinder import fill_behind_necks
 from twin.oil import Oil
-from twin.port import Port, cavity, joined, pressure, with_cavity
+from twin.port import Port, joined, with_cavity
 from twin.relief.motion import Motion
-from twin.relief.slot import AnyRelief, move_relief
 from twin.return_end import AnyEnd, is_open_end, return_flow
 from twin.seal import Seal, friction, friction_limit, slide
-from twin.supply import Supply, supply_flow
-from twin.topology import ENDS, RELIEF_END
-
-PUMP, TEE_1, TEE_2, P, A, LOWER, B, UPPER, T, BACK_5, BACK_6, TANK = range(len(ENDS))
-VALVE_END = RELIEF_END + 1
-
-
-class AtTee(NamedTuple):
-    """The relief valve sits at the tee."""
-
-
-class OwnLine(NamedTuple):
-    """The relief valve sits at the end of a line of its own."""
-
-    volume: float  # of the line [m^3]
+from twin.supply import supply_flow
 
 
 class Parts(NamedTuple):
@@ -57,10 +60,10 @@ class Parts(NamedTuple):
 
     step: float  # h [s]
     oil: Oil
-    supply: Supply
+    supply: Any  # a Supply
     tee_accumulator: AnyAccumulator
     p_accumulator: AnyAccumulator  # at port P; one of the two at most
-    relief: AnyRelief
+    relief: Any  # an AnyRelief
     relief_place: AtTee | OwnLine
     fitting: Fitting  # in line 2, at the tee
     check: AnyCheck  # behind it
@@ -111,120 +114,11 @@ class Core(NamedTuple):
     ledger: Ledger
 
 
-class Ends(NamedTuple):
-    """The line ends at the last instant, in the order of ENDS, and the oil of the lines; the relief line's own last.
-
-    Pressures at LOWER and UPPER are those of the chambers; that of a line that ends before an accessory is in its slot.
-    """
-
-    pressure: NDArray  # [Pa]
-    flow: NDArray  # into the line [m^3/s]
-    cavity: NDArray  # [m^3]; of a tee at its first end, behind the fittings at TEE_2, inside a chamber not here
-    free: NDArray  # c [Pa]
-    impedance: NDArray  # Z [Pa s/m^3]
-    oil: NDArray  # in each line, beyond what fills it at no pressure [m^3 at reference density]
-
-
-class Slots(NamedTuple):
-    """What the kinds in the slots keep, in the order of SLOTS; each array holds SLOT numbers."""
-
-    supply: NDArray
-    accumulator: NDArray
-    fittings: NDArray
-    relief: NDArray
-    return_end: NDArray
-    valve: NDArray
-    accessory_a: NDArray
-    accessory_b: NDArray
-    cushion: NDArray
-    actuator: NDArray
-    friction: NDArray
-    load: NDArray
-
-
-@inlined
-def port_at(end: int, ends: Ends, step: float) -> Port:
-    """The port of one line end, its cavity included."""
-    return with_cavity(Port(ends.free[end], ends.impedance[end]), ends.cavity[end], step)
-
-
-@inlined
-def line_2(ends: Ends, parts: Parts) -> Port:
-    """What the tee sees of line 2 through the fittings: the cavity behind them, if any."""
-    resistance = fitting_resistance(ends.flow[TEE_2], parts.fitting)
-    if ends.cavity[TEE_2] > 0.0 and resistance > 0.0:
-        return Port(parts.oil.vapour_pressure, resistance)
-    return Port(ends.free[TEE_2], ends.impedance[TEE_2] + resistance)
-
-
-@by_type
-def tee_port(check: Any, feeding: Port, brought: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Port, bool]:
-    """The tee's port but for the accumulator, and whether line 2 is open to it; feeding: its other lines.
-
-    brought: flow of the relief valve into the tee [m^3/s].
-    """
-    raise TypeError(f"{check} is not a check valve")
-
-
-@tee_port.register
-def _(check: NoCheck, feeding: Port, brought: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Port, bool]:
-    behind = line_2(ends, parts)
-    port = joined(feeding.free, feeding.impedance, behind.free, behind.impedance)
-    return with_cavity(port, ends.cavity[TEE_1], parts.step), True
-
-
-@tee_port.register
-def _(check: CheckValve, feeding: Port, brought: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Port, bool]:
-    """What the tee would be with the valve shut decides."""
-    behind, alone = line_2(ends, parts), with_cavity(feeding, ends.cavity[TEE_1], parts.step)
-    drawn = taken(parts.tee_accumulator, alone, brought, slots.accumulator, parts.oil, parts.step)
-    if not passes(check, pressure(alone, brought - drawn, parts.oil.vapour_pressure), behind):
-        return alone, False
-    met = before_check(check, behind)
-    return joined(alone.free, alone.impedance, met.free, met.impedance), True
-
-
-@inlined
-def tee_side(feeding: Port, brought: float, ends: Ends, parts: Parts, slots: Slots) -> float:
-    """Accumulator and lines at the tee take what the relief valve brings [m^3/s], < 0 as it takes; the pressure."""
-    rest, is_open = tee_port(parts.check, feeding, brought, ends, parts, slots)
-    drawn = fill_accumulator(parts.tee_accumulator, rest, brought, slots.accumulator, parts.oil, parts.step)
-    p = deliver(TEE_1, rest, brought - drawn, ends, parts)
-    met = before_check(parts.check, line_2(ends, parts))
-    through = (p - met.free) / met.impedance if is_open else 0.0
-    deliver(TEE_2, port_at(TEE_2, ends, parts.step), through, ends, parts)
-    return p
-
-
-@inlined
-def relief_before(before: float, port: Port, flow: float, ends: Ends, parts: Parts) -> float:
-    """port.free of the last instant as of today's impedance, where that changes; flow: the relief valve's then."""
-    if is_fitted(parts.tee_accumulator) or is_check(parts.check):
-        return ends.pressure[TEE_1] + port.impedance * flow
-    return before
-
-
 @inlined
 def return_tee(ends: Ends, step: float) -> Port:
     """The port of lines 5 and 6, their cavity included."""
     port = joined(ends.free[BACK_5], ends.impedance[BACK_5], ends.free[BACK_6], ends.impedance[BACK_6])
     return with_cavity(port, ends.cavity[BACK_5], step)
-
-
-@inlined
-def set_pressure(end: int, p: float, ends: Ends) -> None:
-    """A line end takes a pressure."""
-    ends.pressure[end] = p
-    ends.flow[end] = (p - ends.free[end]) / ends.impedance[end]
-
-
-@inlined
-def deliver(end: int, port: Port, flow: float, ends: Ends, parts: Parts) -> float:
-    """One line end takes what a component delivers; returns the pressure."""
-    p = pressure(port, flow, parts.oil.vapour_pressure)
-    ends.cavity[end] = cavity(port, flow, p, parts.step) if p == parts.oil.vapour_pressure else 0.0
-    set_pressure(end, p, ends)
-    return p
 
 
 @inlined
@@ -234,35 +128,6 @@ def supply_side(tick: float, ends: Ends, parts: Parts, slots: Slots) -> float:
     delivered = supply_flow(parts.supply, tick, port, ends.pressure[PUMP], memory, parts.oil, parts.step)
     deliver(PUMP, port, delivered, ends, parts)
     return delivered
-
-
-@by_type
-def relief_side(
-    place: Any, relief: Motion, before: float, ends: Ends, parts: Parts, slots: Slots
-) -> tuple[Motion, float]:
-    """Tee and relief valve, and the pressure its port would have without it; before: that of the last instant."""
-    raise TypeError(f"{place} is not a place of the relief valve")
-
-
-@relief_side.register
-def _(place: AtTee, relief: Motion, before: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Motion, float]:
-    feeding = Port(ends.free[TEE_1], ends.impedance[TEE_1])
-    rest, _ = tee_port(parts.check, feeding, -relief.flow, ends, parts, slots)
-    port = with_accumulator(parts.tee_accumulator, rest, slots.accumulator, parts.oil, parts.step)
-    before = relief_before(before, port, relief.flow, ends, parts)
-    relief = move_relief(parts.relief, relief, before, port, slots.relief, parts.step)
-    tee_side(feeding, -relief.flow, ends, parts, slots)
-    return relief, port.free
-
-
-@relief_side.register
-def _(place: OwnLine, relief: Motion, before: float, ends: Ends, parts: Parts, slots: Slots) -> tuple[Motion, float]:
-    own = port_at(VALVE_END, ends, parts.step)
-    relief = move_relief(parts.relief, relief, before, own, slots.relief, parts.step)
-    deliver(VALVE_END, own, -relief.flow, ends, parts)
-    feeding = joined(ends.free[TEE_1], ends.impedance[TEE_1], ends.free[RELIEF_END], ends.impedance[RELIEF_END])
-    set_pressure(RELIEF_END, tee_side(feeding, 0.0, ends, parts, slots), ends)
-    return relief, own.free
 
 
 @inlined
