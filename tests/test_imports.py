@@ -23,7 +23,7 @@ COMPONENTS = (
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (
         ("quantity",),
-        ("rig_accessories",),
+        ("rig_accessories", "rig_servo"),
         ("topology", "rig", "integration", "cache_folder", "sealed_files"),
         ("compiled_code", "native_code", "kept"),
         ("compiler",),

@@ -12,6 +12,16 @@ from twin.kernel import by_type
 from twin.lands import Lands, Ports, land_flows
 from twin.oil import Oil
 from twin.orifice import Orifice
+from twin.servo_spool import motion_rates
+from twin.servo_valve import (
+    ServoValve,
+    begin_servo,
+    flow_force,
+    move_servo,
+    servo_areas,
+    servo_flows,
+    servo_leaks,
+)
 from twin.spool_valve import SpoolValve, closed_centre_lands, move_spool
 from twin.switching_valve import SwitchingValve, switch_spool, tandem_lands
 
@@ -23,7 +33,8 @@ class Spool(NamedTuple):
     velocity: float  # [1/s]
 
 
-Valve = SpoolValve | SwitchingValve
+Valve = SpoolValve | SwitchingValve | ServoValve
+TIGHT = Lands(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @by_type
@@ -42,6 +53,11 @@ def _(valve: SwitchingValve, spool: Spool, reference: float, memory: NDArray, st
     return Spool(*switch_spool(spool.position, reference, valve, step))
 
 
+@move_valve.register
+def _(valve: ServoValve, spool: Spool, reference: float, memory: NDArray, step: float) -> Spool:
+    return Spool(*move_servo(spool.position, spool.velocity, reference, valve, memory, step))
+
+
 @by_type
 def lands_at(valve: Any, spool: float) -> Lands:
     """Areas [m^2] at a spool position."""
@@ -58,20 +74,51 @@ def _(valve: SwitchingValve, spool: float) -> Lands:
     return tandem_lands(spool, valve)
 
 
+@lands_at.register
+def _(valve: ServoValve, spool: float) -> Lands:
+    return servo_areas(spool, valve)
+
+
 @by_type
-def valve_flows(valve: Any, spool: float, ports: Ports, oil: Oil) -> Lands:
-    """Flows [m^3/s] through the lands between the ports at a spool position."""
+def leaks_at(valve: Any, spool: float) -> Lands:
+    """Conductances of the lands' clearances [m^3/(s Pa)] at a spool position."""
+    raise TypeError(f"{valve} is not a directional valve")
+
+
+@leaks_at.register
+def _(valve: SpoolValve, spool: float) -> Lands:
+    return TIGHT
+
+
+@leaks_at.register
+def _(valve: SwitchingValve, spool: float) -> Lands:
+    return TIGHT
+
+
+@leaks_at.register
+def _(valve: ServoValve, spool: float) -> Lands:
+    return servo_leaks(spool, valve)
+
+
+@by_type
+def valve_flows(valve: Any, spool: float, ports: Ports, memory: NDArray, oil: Oil) -> Lands:
+    """Flows [m^3/s] through the lands between the ports at a spool position; memory: of the slot."""
     raise TypeError(f"{valve} is not a directional valve")
 
 
 @valve_flows.register
-def _(valve: SpoolValve, spool: float, ports: Ports, oil: Oil) -> Lands:
+def _(valve: SpoolValve, spool: float, ports: Ports, memory: NDArray, oil: Oil) -> Lands:
     return land_flows(ports, closed_centre_lands(spool, valve), valve.orifice, oil)
 
 
 @valve_flows.register
-def _(valve: SwitchingValve, spool: float, ports: Ports, oil: Oil) -> Lands:
+def _(valve: SwitchingValve, spool: float, ports: Ports, memory: NDArray, oil: Oil) -> Lands:
     return land_flows(ports, tandem_lands(spool, valve), valve.orifice, oil)
+
+
+@valve_flows.register
+def _(valve: ServoValve, spool: float, ports: Ports, memory: NDArray, oil: Oil) -> Lands:
+    return servo_flows(valve, spool, ports, memory, oil)
 
 
 @by_type
@@ -87,6 +134,11 @@ def _(valve: SpoolValve) -> Orifice:
 
 @land_orifice.register
 def _(valve: SwitchingValve) -> Orifice:
+    return valve.orifice
+
+
+@land_orifice.register
+def _(valve: ServoValve) -> Orifice:
     return valve.orifice
 
 
@@ -106,18 +158,56 @@ def _(valve: SwitchingValve) -> bool:
     return True
 
 
+@is_switching.register
+def _(valve: ServoValve) -> bool:
+    return False
+
+
 @by_type
-def spool_acceleration(valve: Any, position: float, speed: float, reference: float) -> float:
-    """Acceleration of the spool [1/s^2], its limits left out."""
+def spool_rates(valve: Any, spool: Spool, reference: float, force: float) -> Spool:
+    """Rates of position and speed, limits, plays and delay left out; force: of `force_at`."""
     raise TypeError(f"{valve} has no equation of its spool without limits")
 
 
-@spool_acceleration.register
-def _(valve: SpoolValve, position: float, speed: float, reference: float) -> float:
+@spool_rates.register
+def _(valve: SpoolValve, spool: Spool, reference: float, force: float) -> Spool:
     omega = valve.natural_frequency
-    return omega**2 * (reference - position) - 2.0 * valve.damping * omega * speed
+    back = omega**2 * (reference - spool.position) - 2.0 * valve.damping * omega * spool.velocity
+    return Spool(spool.velocity, back)
 
 
-@spool_acceleration.register
-def _(valve: SwitchingValve, position: float, speed: float, reference: float) -> float:
+@spool_rates.register
+def _(valve: SwitchingValve, spool: Spool, reference: float, force: float) -> Spool:
+    return Spool(spool.velocity, 0.0)
+
+
+@spool_rates.register
+def _(valve: ServoValve, spool: Spool, reference: float, force: float) -> Spool:
+    return Spool(*motion_rates(spool.position, spool.velocity, reference + force, valve.motion))
+
+
+@by_type
+def force_at(valve: Any, drop: Lands, area: Lands) -> float:
+    """Force of the flow on the spool in shares of the command; drop: of each land [Pa], area: [m^2]."""
+    raise TypeError(f"{valve} is not a directional valve")
+
+
+@force_at.register
+def _(valve: SpoolValve, drop: Lands, area: Lands) -> float:
     return 0.0
+
+
+@force_at.register
+def _(valve: SwitchingValve, drop: Lands, area: Lands) -> float:
+    return 0.0
+
+
+@force_at.register
+def _(valve: ServoValve, drop: Lands, area: Lands) -> float:
+    return flow_force(drop, area, valve)
+
+
+def begin_valve(valve: Valve, spool: Spool, flows: Lands, drop: Lands, memory: NDArray) -> None:
+    """Fill what a valve keeps that has been at rest with flows [m^3/s] of its lands under drops [Pa]."""
+    if isinstance(valve, ServoValve):
+        begin_servo(valve, spool.position, flows, drop, memory)

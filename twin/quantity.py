@@ -24,4 +24,12 @@ class Choice(NamedTuple):
     source: str
 
 
-Entry = Number | Choice
+class Table(NamedTuple):
+    """A curve by its points."""
+
+    value: tuple[tuple[float, float], ...]
+    units: tuple[str, str]  # SI, of both columns
+    source: str
+
+
+Entry = Number | Choice | Table

@@ -11,6 +11,7 @@ from typing import Any
 
 from twin.quantity import TINY, Choice, Entry, Number
 from twin.rig_accessories import ACCESSORIES, ACCESSORIES_BUILT
+from twin.rig_servo import SERVO_BUILT, SERVO_VALVE
 
 Values = Mapping[str, Mapping[str, Any]]  # part -> name -> number or word
 
@@ -200,7 +201,7 @@ RIG: dict[str, dict[str, Entry]] = {
         "cracking_pressure": Number(3e5, "Pa", "assumed, of the check valve"),
     },
     "valve": {
-        "kind": Choice("proportional", ("proportional", "switching"), "2.2.1: 4WRAE 10 E 30 or 4WE 10 G"),
+        "kind": Choice("proportional", ("proportional", "switching", "servo"), "2.2.1: 4WRAE 10 E 30 or 4WE 10 G"),
         "rated_flow": Number(30e-3 / 60.0, "m^3/s", "data sheet, 4WRAE 10 E 30", TINY),
         "rated_drop": Number(10e5, "Pa", "data sheet, over both lands", TINY),
         "overlap": Number(0.1, "", "assumed, E spool, share of the travel", 0.0, 0.9),
@@ -221,6 +222,7 @@ RIG: dict[str, dict[str, Entry]] = {
         "discharge": Number(0.61, "", "2.4, sharp edge", TINY),
         "transition": Number(9.33, "", "2.4, transition Reynolds number"),
     },
+    "servo_valve": SERVO_VALVE,
     "cylinder": {
         "bore": Number(50e-3, "m", "Table 2.1", TINY),
         "rod": Number(32e-3, "m", "Table 2.1", TINY),
@@ -284,6 +286,7 @@ BUILT_IN = {  # numbers that stay while the rig runs: why
     **dict.fromkeys(PIPES_BUILT, "it is the rig's geometry"),
     **dict.fromkeys(("oil.air", "oil.air_exponent", "oil.air_pressure"), "the oil in the circuit is counted by it"),
     "valve.full_scale": "the volts of the controller's gains are counted by it",
+    **SERVO_BUILT,
     **dict.fromkeys(("pump.width", "pump.module", "pump.teeth", "pump.pressure_angle"), "it is the rig's geometry"),
     **dict.fromkeys((f"{name}.run_up" for name in STARTING), "it says how the run starts"),
     **dict.fromkeys(

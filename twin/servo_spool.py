@@ -37,6 +37,9 @@ class SpoolMotion(NamedTuple):
     narrow: float  # half-width of a play
     wide: float
     wide_share: float  # of the wide play in the command
+    spring: float  # omega^2 [1/s^2]
+    damper: float  # 2 zeta omega [1/s]
+    quickness: float  # 1/T [1/s] of first order; 0: second order
 
 
 @inlined
@@ -81,6 +84,14 @@ def follow(position: float, speed: float, command: float, motion: SpoolMotion, s
         moved = math.copysign(1.0, moved)
         then = min(then, 0.0) if moved > 0.0 else max(then, 0.0)
     return moved, then
+
+
+@inlined
+def motion_rates(position: float, speed: float, command: float, motion: SpoolMotion) -> tuple[float, float]:
+    """Rates of position and speed without limits, plays and delay. Of first order the speed is a state without use."""
+    if motion.quickness > 0.0:
+        return motion.quickness * (command - position), -motion.quickness * speed
+    return speed, motion.spring * (command - position) - motion.damper * speed
 
 
 def begin_spool(position: float, memory: NDArray[np.float64]) -> None:

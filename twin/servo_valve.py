@@ -135,22 +135,24 @@ def servo_flows(valve: ServoValve, spool: float, ports: Ports, memory: NDArray, 
         guess = Lands(memory[GUESS], memory[GUESS + 1], memory[GUESS + 2], memory[GUESS + 3], 0.0)
         q, _ = network_flows(ports, servo_laws(spool, valve, oil), guess, oil)
     memory[GUESS], memory[GUESS + 1], memory[GUESS + 2], memory[GUESS + 3] = q.p_a, q.b_t, q.p_b, q.a_t
-    memory[FORCE] = flow_force(q, area, ports, valve, oil) if valve.flow_force > 0.0 else 0.0
+    memory[FORCE] = 0.0
+    if valve.flow_force > 0.0:
+        p, a, b, t = port_pressures(q, ports, oil.vapour_pressure)
+        memory[FORCE] = flow_force(Lands(p - a, b - t, p - b, a - t, p - t), area, valve)
     return q
 
 
 @inlined
-def flow_force(q: Lands, area: Lands, ports: Ports, valve: ServoValve, oil: Oil) -> float:
-    """Force of the flow on the spool, as a share of the command that would hold it."""
-    p, a, b, t = port_pressures(q, ports, oil.vapour_pressure)
-    up, down = area.p_a * abs(p - a) + area.b_t * abs(b - t), area.p_b * abs(p - b) + area.a_t * abs(a - t)
+def flow_force(drop: Lands, area: Lands, valve: ServoValve) -> float:
+    """Force of the flow on the spool, in shares of the command: it shuts each land; drop [Pa], area [m^2] of each."""
+    up, down = area.p_a * abs(drop.p_a) + area.b_t * abs(drop.b_t), area.p_b * abs(drop.p_b) + area.a_t * abs(drop.a_t)
     return valve.flow_force * (down - up)
 
 
-def begin_servo(position: float, flows: Lands, memory: NDArray) -> None:
-    """What the valve keeps that has been at rest at a spool position with some flows [m^3/s]."""
+def begin_servo(valve: ServoValve, position: float, flows: Lands, drop: Lands, memory: NDArray) -> None:
+    """What the valve keeps that has been at rest at a spool position with flows [m^3/s] under drops [Pa]."""
     begin_spool(position, memory)
-    memory[FORCE] = 0.0
+    memory[FORCE] = flow_force(drop, servo_areas(position, valve), valve) if valve.flow_force > 0.0 else 0.0
     memory[GUESS : GUESS + 4] = flows[:4]
 
 

@@ -118,6 +118,8 @@ SLOTS = (  # of the circuit whose kinds may keep numbers of their own
     "load",
 )
 SLOT = 12  # numbers that the kind in a slot may keep
+ROOM = {"valve": 136}  # where some need more: the commands of a delay
+SLOT_SIZES = tuple(ROOM.get(name, SLOT) for name in SLOTS)
 
 BALANCE_UNITS = {"force_balance": "Pa", "speed_balance": "m/s", "sink_balance": "m/s"}
 

@@ -1,4 +1,4 @@
-"""Where commands enter the plant: taken or refused, held until the next one acts, the valve centred when none comes.
+"""Where commands enter the plant: taken or refused, held until the next one acts, the safe state when none comes.
 
 Nothing here knows clocks or networks: times are simulated nanoseconds that the plant hands in.
 """
@@ -7,12 +7,13 @@ from typing import Any, NamedTuple
 
 from bridge.loop.safety import Gaps, Gate, Watchdog
 from bridge.scenario import Scenario
+from bridge.scenario.fitted_valve import power_off_of
 from bridge.wire.events import absence, refusal
 from bridge.wire.messages import EventKind, Reason
 from controller.grid import NS, next_sample, to_ns
 from controller.hold import Hold, Segment
 
-SAFE = 0.0  # spool reference of the safe state: valve centred
+CENTRED = 0.0  # spool reference until somebody speaks
 EVENTS_PER_REASON = 100  # refusals of one kind that are recorded one by one; all are counted
 
 
@@ -37,7 +38,8 @@ class Inlet:
         self.worst_lateness = 0
         self._gate = Gate(run_id, grid)
         self._watchdog = Watchdog(to_ns(loop.command_timeout), grid, loop.after_timeout == "latch")
-        self._hold = Hold(SAFE)
+        self._hold = Hold(CENTRED)
+        self._power_off = power_off_of(scenario)
         self._first_due = next_sample(0, grid) + grid.delay  # of a controller that has not spoken yet [ns]
         self._gaps = Gaps()
         self._notes: list[Note] = []
@@ -127,12 +129,13 @@ class Inlet:
             return
         at, timeout = max(at, begin), self._watchdog.timeout / NS
         self._watchdog.trip(owned)
-        if owned:
+        if owned or self._power_off != CENTRED:
             self._gate.release(at)
-            self._hold.put(at, SAFE)
-            text = f"no command for {timeout:g} s: valve centred"
-        else:  # centred it is already, so whoever speaks first will be heard
-            text = f"no valid command within {timeout:g} s of the first that was due: the valve stays centred"
+            self._hold.put(at, self._power_off)
+        stays = "valve centred" if owned else "the valve stays centred"  # so whoever speaks first will be heard
+        goes = stays if self._power_off == CENTRED else f"valve without power, spool to {self._power_off:g}"
+        missed = f"for {timeout:g} s" if owned else f"within {timeout:g} s of the first that was due"
+        text = f"no {'' if owned else 'valid '}command {missed}: {goes}"
         self.note(EventKind.SAFE, text, applied_at=at)
 
     def note(

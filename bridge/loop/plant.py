@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bridge.loop.acquisition import Acquisition
 from bridge.loop.further import further_channels, message
-from bridge.loop.inlet import SAFE, Inlet, Note
+from bridge.loop.inlet import CENTRED, Inlet, Note
 from bridge.loop.line_profiles import LineProfiles
 from bridge.loop.live_reference import LiveReference
 from bridge.loop.plant_tuning import PlantTuning, Tune
@@ -53,8 +53,8 @@ class PlantSide:
         self._lines = LineProfiles(run_id, self._circuit)
         self._tuning = PlantTuning(scenario, self._circuit, self._state, self._transducers(), self._tell)
         self._live = LiveReference(scenario.reference) if isinstance(scenario.reference, Live) else None
-        self._reference = SAFE  # that acts on the spool
-        self._run(SAFE, 0)
+        self._reference = CENTRED  # that acts on the spool
+        self._run(CENTRED, 0)
         self.measurement: Any = None
         self.channels: Any = None  # the newest scan of further channels; None where the scenario has none
 

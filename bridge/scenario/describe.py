@@ -16,7 +16,10 @@ from twin.circuit.build import fitted_pipes
 from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.oil import pipe_volume
 from twin.circuit.step import Circuit
+from twin.quantity import Table
 from twin.rig import RIG, Choice, Entry, Values
+from twin.rig_servo import LANDS
+from twin.servo_valve import ServoValve
 
 WIDE = {"length": "m", "young": "GPa", "speed": "rpm", "efficiency_speed": "rpm"}  # and where another unit reads better
 
@@ -72,7 +75,14 @@ def empty_slots(scenario: Scenario) -> list[str]:
 
 
 def _text(name: str, value: Any, entry: Entry) -> str:
-    return value if isinstance(entry, Choice) else _with_unit(value, entry.unit, name.partition(".")[2])
+    if isinstance(entry, Choice):
+        return value
+    if isinstance(entry, Table):
+        points = (
+            [_with_unit(part, unit, "") for part, unit in zip(point, entry.units, strict=True)] for point in value
+        )
+        return ", ".join(" ".join(point) for point in points)
+    return _with_unit(value, entry.unit, name.partition(".")[2])
 
 
 def _with_unit(value: float, unit: str, name: str) -> str:
@@ -103,7 +113,17 @@ def facts(scenario: Scenario) -> list[Fact]:
     rest_of(scenario)
     found = _oil_facts(circuit)
     found += [*supply_facts(circuit, supply_of(scenario)), *relief_facts(circuit, scenario)]
+    if isinstance(circuit.parts.valve, ServoValve):
+        found += _servo_facts(circuit.parts.valve, supply_of(scenario).idle)
     return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario), *_channel_facts(scenario)]
+
+
+def _servo_facts(valve: ServoValve, idle: float) -> list[Fact]:
+    areas = ", ".join(f"{name.replace('_', '-').upper()} {getattr(valve, name).area * 1e6:.4g}" for name in LANDS)
+    return [
+        Fact("servo valve: lands fully open", f"{areas} mm^2"),
+        Fact("servo valve: through it from P to T, spool in the middle", f"{idle * 6e4:.4g} l/min"),
+    ]
 
 
 def _load_facts(circuit: Circuit) -> list[Fact]:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from bridge.errors import ScenarioError
 from bridge.scenario.controllers import PdGains, Scale
+from bridge.scenario.fitted_valve import overlap_of
 from controller.law import CGains, Gains, OpenLoopGains, RelayGains, UserGains
 from controller.pid import PidGains
 from controller.state_space import StateSpaceGains
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 def scale_of(scenario: "Scenario") -> Scale:
     """What turns V per % of stroke into spool per metre."""
     rig = scenario.rig
-    return Scale(rig.cylinder.stroke, rig.valve.full_scale, rig.valve.overlap, scenario.loop.sample_period)
+    return Scale(rig.cylinder.stroke, rig.valve.full_scale, overlap_of(scenario), scenario.loop.sample_period)
 
 
 AnyGains = Gains | UserGains | PidGains | RelayGains | OpenLoopGains | StateSpaceGains | CGains

@@ -31,6 +31,7 @@ from bridge.scenario.references import Reference
 from bridge.scenario.requirements import Expectation, Expected
 from bridge.scenario.timeline import Happening, plan
 from controller.grid import NS, Sampling, sampling
+from twin.quantity import Table
 from twin.rig import RIG, Choice, Entry, values
 from twin.topology import CHANNELS
 
@@ -112,6 +113,9 @@ def _rig_part(name: str, entries: dict[str, Entry]) -> Any:
     def field(key: str, entry: Entry) -> tuple[Any, Any]:
         if isinstance(entry, Choice):
             return Literal[entry.options], Field(default=entry.value, description=entry.source)
+        if isinstance(entry, Table):
+            x, y = (Annotated[float, Measured(unit)] for unit in entry.units)
+            return tuple[tuple[x, y], ...], Field(default=entry.value, description=entry.source)
         gauge = entry.unit == "Pa" and not any(word in f"{name}.{key}" for word in NOT_GAUGE)
         unit: Any = Annotated[float, Measured(entry.unit, gauge)]
         return unit, Field(default=entry.value, description=entry.source, ge=entry.low, le=entry.high)

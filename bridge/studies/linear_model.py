@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
+from bridge.scenario.fitted_valve import delay_of
 from bridge.studies.stability.rig_plant import rest_point
 from controller.stability.plant import Plant, zero_order_hold
 from twin.circuit.linear import INPUTS, TAPS, edge_point, linearise, moving_point, to_vector
@@ -72,9 +73,9 @@ def linear_model(scenario: Scenario, point: str = "rest", friction: float = 0.0)
     except ValueError as error:
         raise ScenarioError(f"no linear model at {point!r}: {error}") from None
     at = dict(zip(STATES, to_vector(state).tolist(), strict=True))
-    loop, note = scenario.loop, getattr(continuous, "note", "")
-    sampled = sampled_model(continuous, loop.sample_period, loop.delay)
-    return LinearModel(scenario.name, point, note, at, loop.delay, continuous, sampled)
+    delay, note = scenario.loop.delay + delay_of(scenario), getattr(continuous, "note", "")
+    sampled = sampled_model(continuous, scenario.loop.sample_period, delay)
+    return LinearModel(scenario.name, point, note, at, delay, continuous, sampled)
 
 
 def _point(name: str, circuit: Circuit, position: float) -> tuple[State, str | None]:

@@ -31,8 +31,9 @@ prints the header of a law in C). A controller of your own, in any language that
     comes just before the measurement of the same sequence; without any there is no such message. `hydrotwin messages
     --scenario X` prints its layout and all that a channel may read.
     position runs from 0, lowest, to scenario.rig.cylinder.stroke. A spool of 1 is scenario.rig.valve.full_scale volts:
-    a gain of K V/% is spool = K * 100 * error / stroke / full_scale. The lands overlap by scenario.rig.valve.overlap,
-    a share of the spool's travel: so much does nothing, and the plant does not compensate for it.
+    a gain of K V/% is spool = K * 100 * error / stroke / full_scale. The lands overlap by scenario.rig.valve.overlap
+    (of a servo valve: scenario.rig.servo_valve.overlap_p_a and so on), a share of the spool's travel: so much does
+    nothing, and the plant does not compensate for it.
  4. Declare the liveliness token <rig>/{TOKEN}/NUMBER, with any number of your own such as the process id. With
     `run --external` and with `plant --await controller` the plant waits for it. Undeclare it, or close, when you leave.
  5. Answer each measurement whose stamp is offset + i * sample_period, i = 0, 1, 2, .. with one message on

@@ -17,6 +17,7 @@ from tests.support.plant import (
 )
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.linear import (
+    LANDS,
     edge_point,
     from_vector,
     jacobian,
@@ -120,7 +121,8 @@ def test_edge_gain_is_the_flow_of_one_percent_of_opening(edge: str):
     point = edge_point(C, 0.1, edge)
     p = pressures(point)
     for land in lands(to_vector(point), C, edge):
-        drop = p[land.source] - p[land.sink]
+        source, sink = LANDS[land.name]
+        drop = p[source] - p[sink]
         one_percent = flow(drop, 0.01 / 0.9 * C.parts.valve.area, C.parts.valve.orifice, C.parts.oil)
         assert abs(land.by_spool) * 0.01 == pytest.approx(one_percent, rel=0.03)
         assert math.copysign(1.0, land.by_spool) == (1.0 if edge == "+" else -1.0)

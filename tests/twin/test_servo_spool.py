@@ -30,7 +30,7 @@ OMEGA, ZETA = 2.0 * math.pi * 100.0, 0.7
 
 def motion(matrix: tuple[float, float, float, float] | None = None, **numbers: Any) -> SpoolMotion:
     """Second order, 100 Hz and 0.7, without limits unless told."""
-    ideal = SpoolMotion(*(matrix or step_matrix(OMEGA, ZETA, H)), 1e9, 0.0, 0.0, 0.0, 0.0, 1.0)
+    ideal = SpoolMotion(*(matrix or step_matrix(OMEGA, ZETA, H)), 1e9, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
     return ideal._replace(**numbers)
 
 

@@ -37,7 +37,7 @@ TURBULENT = Orifice(0.61, 0.0)
 RATED, DROP = 38e-3 / 60.0, 70 * BAR
 STRAIGHT = InProportion()
 STIFF = 1e4  # [Pa s/m^3], of a port that keeps its pressure
-STILL = SpoolMotion(0.0, 0.0, 0.0, 0.0, 1e9, 0.0, 0.0, 0.0, 0.0, 1.0)
+STILL = SpoolMotion(0.0, 0.0, 0.0, 0.0, 1e9, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
 def valve(

@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import Any
 
 from twin.amplifier import Amplifiers, Direct, lag
+from twin.circuit.build_servo import servo_valve
 from twin.circuit.build_supply import accumulators, check_valve, fitting, return_end, supply
 from twin.circuit.fit_accessories import necks
 from twin.circuit.limits import refuse_coarse_step
@@ -99,6 +100,7 @@ MADE: dict[str, Callable[[Values, Parts], dict[str, Any]]] = {  # fields of Part
     "accessory_a": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
     "accessory_b": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
     "cushion": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
+    "servo_valve": lambda rig, parts: {"valve": _directional_valve(rig, parts.oil, parts.step)},
     "cylinder": lambda rig, parts: {"cylinder": _cylinder(rig, parts.oil), "stops": _stops(rig)},
     "seal": lambda rig, parts: {"seal": _seal(rig["seal"], parts.oil)},
     "load": lambda rig, _: {"load": _load(rig["load"])},
@@ -165,6 +167,8 @@ def _relief_place(rig: Values) -> AtTee | OwnLine:
 def _directional_valve(rig: Values, oil: Oil, step: float) -> Valve:
     if rig["valve"]["kind"] == "switching":
         return _switching(rig["switching_valve"], oil)
+    if rig["valve"]["kind"] == "servo":
+        return servo_valve(rig["servo_valve"], oil, step)
     return _valve(rig["valve"], oil, step)
 
 

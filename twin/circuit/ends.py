@@ -27,7 +27,7 @@ class Ends(NamedTuple):
 
 
 class Slots(NamedTuple):
-    """What the kinds in the slots keep, in the order of SLOTS; each array holds SLOT numbers."""
+    """What the kinds in the slots keep, in the order of SLOTS: SLOT_SIZES numbers each."""
 
     supply: NDArray
     accumulator: NDArray

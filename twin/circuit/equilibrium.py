@@ -9,11 +9,13 @@ from twin.accessory import INFLOW, LINE, Necks, begin_accessory, resting_neck
 from twin.accumulator import begin_accumulator
 from twin.check_valve import cracking_drop, is_check
 from twin.circuit.ends import TEE_1, TEE_2, VALVE_END
+from twin.circuit.open_centre import laws_at_rest, passed, steady_lands, upper_pressure
 from twin.circuit.state import Flows, Pressures, State
 from twin.circuit.step import LOWER, TANK, UPPER, AtTee, Circuit, Core, Ends, Ledger, OwnLine, Piston, Slots
 from twin.cylinder import Chambers, stored_oil
-from twin.directional_valve import Spool, land_orifice, lands_at
+from twin.directional_valve import Spool, begin_valve, land_orifice, lands_at
 from twin.fitting import fitting_resistance
+from twin.lands import Lands
 from twin.lines.bank import arriving, memory_size, settle, steady_drop
 from twin.load import carried_mass, weight_at
 from twin.minor_losses import loss_at_end, minor_drop, resist
@@ -23,7 +25,7 @@ from twin.port import joined
 from twin.relief.slot import begin_relief, steady_relief
 from twin.return_end import steady_end
 from twin.supply import begin_supply, starting_ratio, steady_supply
-from twin.topology import END_COUNT, ENDS, LINES, PLACES, SLOT, SLOTS, TAPS
+from twin.topology import END_COUNT, ENDS, LINES, PLACES, SLOT_SIZES, TAPS
 from twin.variable_pump import VariablePump
 
 OWN_LINE = LINES  # of the relief valve, behind the six
@@ -67,8 +69,10 @@ def supply_at_rest(circuit: Circuit, ratio: float = 1.0) -> SupplyAtRest:
 def idle_flow(tee: float, circuit: Circuit) -> float:
     """Flow [m^3/s] from the tee through the valve at rest to the tank, at a pressure [Pa] at the tee."""
     area = lands_at(circuit.parts.valve, 0.0).p_t
-    if area <= 0.0 or tee <= 0.0:
+    if tee <= 0.0:
         return 0.0
+    if area <= 0.0:
+        return _through_lands(tee, circuit)
 
     def excess(flow: float) -> float:
         return tee - sum(_idle_drops(flow, area, circuit))
@@ -77,6 +81,18 @@ def idle_flow(tee: float, circuit: Circuit) -> float:
     while excess(high) > 0.0:
         high *= 2.0
     return _root(excess, high, 1e-18)
+
+
+def _through_lands(tee: float, circuit: Circuit) -> float:
+    """Flow [m^3/s] through a servo valve's lands with its ports A and B blocked."""
+    laws = laws_at_rest(circuit)
+    if laws is None or behind_check(tee, circuit) <= 0.0:
+        return 0.0
+
+    def excess(drop: float) -> float:
+        return tee - drop - sum(_idle_lines(passed(drop, laws), circuit))
+
+    return passed(_root(excess, tee, 1e-6), laws)
 
 
 def _root(function: Callable[[float], float], high: float, tolerance: float) -> float:
@@ -88,11 +104,17 @@ def _root(function: Callable[[float], float], high: float, tolerance: float) -> 
 
 def _idle_drops(flow: float, area: float, circuit: Circuit) -> tuple[float, float, float, float]:
     """Pressure drops [Pa] from the tee to P, over the land P-T, of line 5 and of line 6."""
+    to_p, drop_5, to_tank = _idle_lines(flow, circuit)
+    a, b = resistance(area, land_orifice(circuit.parts.valve), circuit.parts.oil)
+    return to_p, (a * abs(flow) + b) * flow, drop_5, to_tank
+
+
+def _idle_lines(flow: float, circuit: Circuit) -> tuple[float, float, float]:
+    """Pressure drops [Pa] from the tee to P, of line 5, and of line 6 to the tank."""
     parts = circuit.parts
-    a, b = resistance(area, land_orifice(parts.valve), parts.oil)
     to_p = cracking_drop(parts.check) + fitting_resistance(flow, parts.fitting) * flow + line_drop(1, flow, circuit)
     to_tank = line_drop(5, flow, circuit) + steady_end(parts.return_end, flow, 0.0)
-    return to_p, (a * abs(flow) + b) * flow, line_drop(4, flow, circuit), to_tank
+    return to_p, line_drop(4, flow, circuit), to_tank
 
 
 def behind_check(tee: float, circuit: Circuit) -> float:
@@ -108,14 +130,22 @@ def line_drop(line: int, flow: float, circuit: Circuit) -> float:
 def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> State:
     """The state at rest at a position [m]: p_u as given (0 after a stop with an open return), p_l carries the load.
 
-    With a leak across the piston it is where the run starts, not where it stays; with a pump that ripples, what the
-    mean of its flow would make. Raises ValueError outside the stroke, or for a load that would need a lower chamber
-    below the vapour pressure.
+    With a servo valve that lets oil through at rest and p_u 0, p_u is what that makes it. With a leak across the piston
+    it is where the run starts, not where it stays; with a pump that ripples, what the mean of its flow would make.
+    Raises ValueError outside the stroke, or for a load that would need a lower chamber below the vapour pressure.
     """
     cylinder, load, vapour = circuit.parts.cylinder, circuit.parts.load, circuit.parts.oil.vapour_pressure
     if not 0.0 <= position <= cylinder.stroke:
         raise ValueError(f"start position {position} m lies outside the stroke, 0 to {cylinder.stroke} m")
     weight = carried_mass(weight_at(position, load), load) * load.gravity - load.force
+    supply = supply_at_rest(circuit, starting_ratio(circuit.parts.supply))
+    p, t, back = behind_check(supply.tee, circuit), 0.0, 0.0
+    if supply.idle > 0.0:
+        to_p, drop_5, back = _idle_lines(supply.idle, circuit)
+        p, t = supply.tee - to_p, drop_5 + back
+    laws = None if isinstance(circuit.parts.necks, Necks) else laws_at_rest(circuit)
+    if laws and p_upper == 0.0:
+        p_upper = upper_pressure(p, t, weight, laws, circuit) or 0.0
     p_lower = (weight + cylinder.area_upper * p_upper) / cylinder.area_lower
     if p_lower < vapour:
         most = load.force + weight + cylinder.area_upper * p_upper - cylinder.area_lower * vapour
@@ -123,11 +153,6 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
             f"load.force {load.force:g} N lifts the load off the oil, the lower chamber would be at {p_lower:.4g} Pa, "
             f"below the vapour pressure; take at most {most:.4g} N"
         )
-    supply = supply_at_rest(circuit, starting_ratio(circuit.parts.supply))
-    p, t, back = behind_check(supply.tee, circuit), 0.0, 0.0
-    if supply.idle > 0.0:
-        to_p, _, drop_5, back = _idle_drops(supply.idle, lands_at(circuit.parts.valve, 0.0).p_t, circuit)
-        p, t = supply.tee - to_p, drop_5 + back
     p_a, p_b = _held_lines(Chambers(p_lower, p_upper), circuit)
     at = Pressures(supply.pump, supply.tee, p, p_a, p_lower, p_upper, p_b, t, back)
     through = Flows(supply.relieved + supply.idle, supply.idle, 0.0, 0.0, supply.idle, supply.idle)
@@ -180,7 +205,9 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     cavity, free, impedance = np.zeros((3, END_COUNT))
     ends = Ends(_padded(pressure), _padded(flow), cavity, free, impedance, np.resize(_padded(oil), END_COUNT // 2))
     signals = np.tile([piston.position, *(at[place] for place in TAPS.values())], 2)
-    slots = Slots(*np.zeros((len(SLOTS), SLOT)))
+    slots = Slots(*map(np.zeros, SLOT_SIZES))
+    drop = Lands(p.p - p.a, p.b - p.t, p.p - p.b, p.a - p.t, p.p - p.t)
+    begin_valve(parts.valve, spool, steady_lands(drop, spool.position, circuit), drop, slots.valve)
     if isinstance(parts.necks, Necks):
         _begin_necks(parts.necks, p, q, line_sides, slots)
     stored = stored_oil(Chambers(p.lower, p.upper), piston.position, parts.cylinder)

@@ -11,6 +11,7 @@ from twin.kernel import interpreted
 from twin.pump import Pump
 from twin.relief.direct import DirectRelief
 from twin.seal import least_mass
+from twin.servo_valve import ServoValve
 from twin.switching_valve import SwitchingValve
 from twin.topology import PIPES, RELIEF_LINE
 from twin.variable_pump import VariablePump
@@ -62,6 +63,9 @@ def _valve(circuit: Circuit) -> Limit:
     if isinstance(valve, SwitchingValve):
         time = 1.0 / max(valve.speed, valve.return_speed)
         return Limit("switching_valve", "switching time", time, 0.5 * time)
+    if isinstance(valve, ServoValve):
+        quick = valve.motion.quickness or math.sqrt(valve.motion.spring)
+        return Limit("servo_valve", "spool", 1.0 / quick, FOLLOWED / quick)
     time = 1.0 / valve.natural_frequency
     return Limit("valve", "spool", time, FOLLOWED * time)
 

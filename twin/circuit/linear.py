@@ -6,7 +6,7 @@ spool limits, vapour and the set-valued friction have no slope and are left out.
 """
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from twin.air import tangent
 from twin.circuit.block import compiled
 from twin.circuit.equilibrium import behind_check, state_at, supply_at_rest
+from twin.circuit.land_slopes import LandSlope, area_ratio, edge_of, edge_slopes, joins, land_slopes, spool_slopes
 from twin.circuit.rates import (
     FLOW,
     LINE_ENDS,
@@ -43,13 +44,12 @@ from twin.circuit.state import (
 from twin.circuit.step import Circuit, Piston
 from twin.directional_valve import Spool, is_switching
 from twin.fitting import fitting_slope
+from twin.lands import Lands
 from twin.lines.bank import VOLUME
 from twin.lines.bank import steady_slope as line_slope
 from twin.minor_losses import loss_at_end
-from twin.orifice import flow_slopes
 from twin.relief.slot import relief_slope
 from twin.return_end import return_slope
-from twin.spool_valve import opening
 from twin.supply import steady_supply
 from twin.topology import CHANNELS, LINES, PLACES
 
@@ -63,17 +63,8 @@ STATE_OF = {"position": "position", "velocity": "velocity", "spool": "spool"} | 
     place.pressure: state for place, state in zip(PLACES.values(), STATES, strict=False)
 }
 TAPS = {name: STATE_OF[channel.reads] for name, channel in CHANNELS.items() if channel.reads in STATE_OF}
-LANDS = {"+": ((P, A), (B, T)), "-": ((P, B), (A, T))}
+LANDS = {"p_a": (P, A), "b_t": (B, T), "p_b": (P, B), "a_t": (A, T)}
 UNKNOWN = [*range(X), V]  # what a moving point is solved for
-
-
-class Land(NamedTuple):
-    """Slopes of the flow through one land."""
-
-    source: int
-    sink: int
-    by_drop: float  # [m^3/(s Pa)]
-    by_spool: float  # [m^3/s], per whole travel
 
 
 def to_vector(s: State) -> Array:
@@ -97,7 +88,7 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
     _refuse_switching(circuit)
     p = _edge_pressures(circuit, edge)
     _refuse_cavity(p, circuit)
-    spool = Spool(math.copysign(circuit.parts.valve.overlap, 1.0 if edge == "+" else -1.0), 0.0)
+    spool = Spool(edge_of(circuit.parts.valve, edge), 0.0)
     through = Flows(supply_at_rest(circuit).relieved, 0.0, 0.0, 0.0, 0.0, 0.0)
     return state_at(p, through, Piston(position, 0.0), spool, circuit)
 
@@ -105,14 +96,14 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
 def _edge_pressures(circuit: Circuit, edge: str) -> Pressures:
     c, load = circuit.parts.cylinder, circuit.parts.load
     pump, tee = supply_at_rest(circuit)[:2]
-    port = behind_check(tee, circuit)
+    port, ratio = behind_check(tee, circuit), area_ratio(circuit.parts.valve, edge)
     weight = load.mass * load.gravity - load.force
     if edge == "+":
-        k = (c.area_upper / c.area_lower) ** 2  # (p_u - 0)/(p_P - p_l)
+        k = (ratio * c.area_upper / c.area_lower) ** 2  # (p_u - 0)/(p_P - p_l)
         lower = (weight + c.area_upper * k * port) / (c.area_lower + c.area_upper * k)
         upper = k * (port - lower)
     else:
-        k = (c.area_lower / c.area_upper) ** 2  # (p_l - 0)/(p_P - p_u)
+        k = (ratio * c.area_lower / c.area_upper) ** 2  # (p_l - 0)/(p_P - p_u)
         upper = (c.area_lower * k * port - weight) / (c.area_lower * k + c.area_upper)
         lower = k * (port - upper)
     return Pressures(pump, tee, port, lower, lower, upper, upper, 0.0, 0.0)
@@ -126,8 +117,8 @@ def moving_point(circuit: Circuit, position: float, spool: float, viscous: float
     from scipy.optimize import root
 
     _refuse_switching(circuit)
-    if abs(spool) <= circuit.parts.valve.overlap:
-        raise ValueError(f"spool {spool} lies inside the overlap, +-{circuit.parts.valve.overlap}; take it further out")
+    if not joins(circuit.parts.valve, spool):
+        raise ValueError(f"spool {spool} lies inside the overlap, {_dead_band(circuit)}; take it further out")
     pressure_guess = _edge_pressures(circuit, "+" if spool > 0.0 else "-")
     full = np.array([*pressure_guess, *[0.0] * LINES, position, math.copysign(0.01, spool), spool, 0.0])
     column, row = _scales(circuit)
@@ -166,7 +157,7 @@ def linearise(
     viscous = _viscous(friction)
     a = jacobian(to_vector(point), circuit, edge, viscous)
     b = np.zeros((len(STATES), len(INPUTS)))
-    b[S_RATE, 0], b[V, 1] = circuit.parts.valve.natural_frequency**2, 1.0 / circuit.parts.load.mass
+    b[[S, S_RATE], 0], b[V, 1] = spool_slopes(circuit.parts.valve)[1], 1.0 / circuit.parts.load.mass
     c = np.array([[float(state == tap) for state in STATES] for tap in TAPS.values()])
     valve = f"spool {point.spool.position:g}" if edge is None else f"land edge {edge}, overlap removed"
     note = f"{valve}, friction {f'{viscous:g} N s/m' if viscous else 'off'}"
@@ -183,10 +174,19 @@ def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0)
     a[FLOW:X] = _line_slopes(y, circuit)
     a[:FLOW] = _inflow_slopes(y, circuit, edge, a[FLOW:X]) / _capacities(y, circuit)[:, None]
     a[V, [LOWER, UPPER, V]] = np.array([c.cylinder.area_lower, -c.cylinder.area_upper, -viscous]) / c.load.mass
-    omega = c.valve.natural_frequency
-    a[S_RATE, [S, S_RATE]] = -(omega**2), -2.0 * c.valve.damping * omega
-    a[X, V] = a[S, S_RATE] = 1.0
+    a[S : S_RATE + 1, S : S_RATE + 1], command = spool_slopes(c.valve)
+    a[S : S_RATE + 1] += np.outer(command, _force_slopes(y, circuit, edge))
+    a[X, V] = 1.0
     return a
+
+
+def _force_slopes(y: Array, circuit: Circuit, edge: str | None) -> Array:
+    """Slopes of the force of the flow on the spool, in shares of the command."""
+    slopes = np.zeros(len(STATES))
+    for land in lands(y, circuit, edge):
+        source, sink = LANDS[land.name]
+        slopes[[source, sink, S]] += land.force_by_drop, -land.force_by_drop, land.force_by_spool
+    return slopes
 
 
 def _line_slopes(y: Array, circuit: Circuit) -> Array:
@@ -214,8 +214,8 @@ def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None, of_lines: Array
         slopes[source] -= through
         if sink >= 0:
             slopes[sink] += through
-    leak = Land(LOWER, UPPER, c.cylinder.leakage, 0.0)
-    for source, sink, by_drop, by_spool in (leak, *lands(y, circuit, edge)):
+    open_lands = [(*LANDS[land.name], land.by_drop, land.by_spool) for land in lands(y, circuit, edge)]
+    for source, sink, by_drop, by_spool in ((LOWER, UPPER, c.cylinder.leakage, 0.0), *open_lands):
         slopes[source, [source, sink, S]] += -by_drop, by_drop, -by_spool
         slopes[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
     slopes[PUMP, PUMP] += steady_supply(c.supply, float(y[PUMP]), 1.0, c.oil)[1]
@@ -227,21 +227,17 @@ def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None, of_lines: Array
     return slopes
 
 
-def lands(y: Array, circuit: Circuit, edge: str | None) -> list[Land]:
-    """The two open lands at a vector of STATES, or those at whose edge the spool stands; none for a shut valve."""
-    valve, oil = circuit.parts.valve, circuit.parts.oil
-    side = edge or ("+" if y[S] > 0.0 else "-")
-    sign = 1.0 if side == "+" else -1.0
-    area = 0.0 if edge else opening(sign * float(y[S]), valve)
-    widening = sign * valve.area / (1.0 - valve.overlap)  # dA/ds
-    found = []
-    for source, sink in LANDS[side]:
-        drop = float(y[source] - y[sink])
-        speed = valve.orifice.discharge * math.copysign(math.sqrt(2.0 * abs(drop) / oil.density), drop)
-        by_drop, by_area = flow_slopes(drop, area, valve.orifice, oil) if area > 0.0 else (0.0, speed)
-        if edge or area > 0.0:
-            found.append(Land(source, sink, by_drop, by_area * widening))
-    return found
+def lands(y: Array, circuit: Circuit, edge: str | None) -> list[LandSlope]:
+    """The lands that let oil through at a vector of STATES, or those at whose edge the spool stands."""
+    drop = Lands(*(float(y[source] - y[sink]) for source, sink in LANDS.values()), 0.0)
+    if edge:
+        return edge_slopes(circuit.parts.valve, edge, drop, circuit.parts.oil)
+    return land_slopes(circuit.parts.valve, float(y[S]), drop, circuit.parts.oil)
+
+
+def _dead_band(circuit: Circuit) -> str:
+    low, high = edge_of(circuit.parts.valve, "-"), edge_of(circuit.parts.valve, "+")
+    return f"+-{high}" if low == -high else f"{low:g} to {high:g}"
 
 
 def _capacities(y: Array, circuit: Circuit) -> Array:

@@ -18,9 +18,10 @@ from twin.check_valve import cracking_drop_of
 from twin.circuit.state import Flows, Pressures
 from twin.circuit.step import Circuit
 from twin.cylinder import chamber_volumes
-from twin.directional_valve import land_orifice, lands_at, spool_acceleration
+from twin.directional_valve import Spool, force_at, land_orifice, lands_at, leaks_at, spool_rates
 from twin.fitting import fitting_resistance
 from twin.kernel import inlined, kernel
+from twin.lands import Lands
 from twin.lines.bank import VOLUME, steady_drop, unpacked
 from twin.minor_losses import minor_drop
 from twin.orifice import flow
@@ -83,15 +84,25 @@ def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> No
     out[X] = y[V]
     force = cylinder.area_lower * y[LOWER] - cylinder.area_upper * y[UPPER] + c.load.force
     out[V] = (force - viscous * y[V]) / c.load.mass - c.load.gravity
-    out[S], out[S_RATE] = y[S_RATE], spool_acceleration(c.valve, y[S], y[S_RATE], reference)
+    force = force_at(c.valve, _land_drops(y), lands_at(c.valve, y[S]))
+    moved = spool_rates(c.valve, Spool(y[S], y[S_RATE]), reference, force)
+    out[S], out[S_RATE] = moved.position, moved.velocity
+
+
+@inlined
+def _land_drops(y) -> Lands:
+    """Pressure drop over each land [Pa]."""
+    return Lands(y[P] - y[A], y[B] - y[T], y[P] - y[B], y[A] - y[T], y[P] - y[T])
 
 
 @kernel
 def _inflows(y, c, out) -> None:
     """What the components bring into each place [m^3/s]."""
-    area, orifice = lands_at(c.valve, y[S]), land_orifice(c.valve)
-    p_a, b_t = flow(y[P] - y[A], area.p_a, orifice, c.oil), flow(y[B] - y[T], area.b_t, orifice, c.oil)
-    p_b, a_t = flow(y[P] - y[B], area.p_b, orifice, c.oil), flow(y[A] - y[T], area.a_t, orifice, c.oil)
+    area, leaks, drop, orifice = lands_at(c.valve, y[S]), leaks_at(c.valve, y[S]), _land_drops(y), land_orifice(c.valve)
+    p_a = flow(drop.p_a, area.p_a, orifice, c.oil) + leaks.p_a * drop.p_a
+    b_t = flow(drop.b_t, area.b_t, orifice, c.oil) + leaks.b_t * drop.b_t
+    p_b = flow(drop.p_b, area.p_b, orifice, c.oil) + leaks.p_b * drop.p_b
+    a_t = flow(drop.a_t, area.a_t, orifice, c.oil) + leaks.a_t * drop.a_t
     leak = c.cylinder.leakage * (y[LOWER] - y[UPPER])
     out[PUMP] = steady_supply(c.supply, y[PUMP], 1.0, c.oil)[0]
     out[TEE] = -steady_relief(c.relief, y[TEE])

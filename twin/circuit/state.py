@@ -5,6 +5,7 @@ memory of the lines
 """
 
 from collections.abc import Iterator
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
@@ -17,7 +18,7 @@ from twin.directional_valve import Spool
 from twin.kernel import inlined
 from twin.load import Weight
 from twin.relief.motion import Motion, ReliefState
-from twin.topology import END_COUNT, END_OF, LINES, SLOT, SLOTS, TAPS
+from twin.topology import END_COUNT, END_OF, LINES, SLOT_SIZES, TAPS
 
 
 def _names(kind: type, prefix: str = "") -> Iterator[str]:
@@ -32,7 +33,8 @@ LINES_AT = ENDS_AT + 5 * END_COUNT
 SIGNALS_AT = LINES_AT + END_COUNT // 2
 SIGNALS = 1 + len(TAPS)  # behind amplifiers: the position and the pressures at the taps
 SLOTS_AT = SIGNALS_AT + 2 * SIGNALS
-MEMORY_AT = SLOTS_AT + SLOT * len(SLOTS)
+SLOT_AT = tuple(accumulate(SLOT_SIZES, initial=SLOTS_AT))
+MEMORY_AT = SLOT_AT[-1]
 
 
 def place_of(name: str) -> int:
@@ -129,7 +131,7 @@ def unflatten(array: NDArray[np.float64]) -> State:
         load(kept),
         Ends._make(ends),
         kept[SIGNALS_AT:SLOTS_AT],
-        Slots(*kept[SLOTS_AT:MEMORY_AT].reshape(-1, SLOT)),
+        Slots(*(kept[first:last] for first, last in pairwise(SLOT_AT))),
         kept[MEMORY_AT:],
     )
 
@@ -183,18 +185,17 @@ def ends_of(a) -> Ends:
 @inlined
 def slots_of(a) -> Slots:
     """What the kinds in the slots of a flat state keep, as views of it."""
-    s, n = SLOTS_AT, SLOT
     return Slots(
-        a[s + 0 * n : s + 1 * n],
-        a[s + 1 * n : s + 2 * n],
-        a[s + 2 * n : s + 3 * n],
-        a[s + 3 * n : s + 4 * n],
-        a[s + 4 * n : s + 5 * n],
-        a[s + 5 * n : s + 6 * n],
-        a[s + 6 * n : s + 7 * n],
-        a[s + 7 * n : s + 8 * n],
-        a[s + 8 * n : s + 9 * n],
-        a[s + 9 * n : s + 10 * n],
-        a[s + 10 * n : s + 11 * n],
-        a[s + 11 * n : s + 12 * n],
+        a[SLOT_AT[0] : SLOT_AT[1]],
+        a[SLOT_AT[1] : SLOT_AT[2]],
+        a[SLOT_AT[2] : SLOT_AT[3]],
+        a[SLOT_AT[3] : SLOT_AT[4]],
+        a[SLOT_AT[4] : SLOT_AT[5]],
+        a[SLOT_AT[5] : SLOT_AT[6]],
+        a[SLOT_AT[6] : SLOT_AT[7]],
+        a[SLOT_AT[7] : SLOT_AT[8]],
+        a[SLOT_AT[8] : SLOT_AT[9]],
+        a[SLOT_AT[9] : SLOT_AT[10]],
+        a[SLOT_AT[10] : SLOT_AT[11]],
+        a[SLOT_AT[11] : SLOT_AT[12]],
     )

@@ -136,7 +136,7 @@ def valve_side(spool: float, ends: Ends, parts: Parts, slots: Slots) -> None:
     h, alone, memory = parts.step, port_at(P, ends, parts.step), slots.accumulator
     p = with_accumulator(parts.p_accumulator, alone, memory, parts.oil, h)
     ports = Ports(p, port_at(A, ends, h), port_at(B, ends, h), port_at(T, ends, h))
-    q = valve_flows(parts.valve, spool, ports, parts.oil)
+    q = valve_flows(parts.valve, spool, ports, slots.valve, parts.oil)
     brought = -(q.p_a + q.p_b + q.p_t)
     drawn = fill_accumulator(parts.p_accumulator, alone, brought, memory, parts.oil, h)
     deliver(P, alone, brought - drawn, ends, parts)

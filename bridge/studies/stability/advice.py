@@ -208,7 +208,8 @@ def refuse_linear(scenario: Scenario) -> None:
 
 
 def _refuse_switching(scenario: Scenario) -> None:
-    if scenario.rig.valve.kind != "proportional":
+    kind = scenario.rig.valve.kind
+    if kind == "switching":
         raise ScenarioError("rig.valve.kind 'switching' has no gain; set rig.valve.kind = 'proportional'")
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
+from bridge.scenario.fitted_valve import refuse_servo
 from bridge.studies.stability.sampled_law import free_gain, law_of
 from controller.stability.amplitude.edges import (
     ROUGH,
@@ -65,6 +66,7 @@ class SwingRange(NamedTuple):
 
 def loop_of(scenario: Scenario) -> Loop:
     """The reduced loop. Raises ScenarioError where there is none."""
+    refuse_servo(scenario)
     circuit = circuit_of(scenario)
     timing, daq = scenario.loop, scenario.daq
     period, delay = timing.sample_period, timing.delay

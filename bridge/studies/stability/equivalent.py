@@ -19,6 +19,7 @@ from controller.stability.actuator.scaling import Numbers, SampledGains, to_numb
 from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.step import Circuit
 from twin.orifice import flow
+from twin.servo_valve import ServoValve
 
 TO_A, TO_B = 2, 3  # lines between valve and cylinder
 
@@ -74,8 +75,9 @@ def oil_spring(circuit: Circuit, position: float) -> float:
 
 def _open_flow(circuit: Circuit, drop: float) -> float:
     """Flow [m^3/s] of one land of the wide open valve at a pressure drop [Pa]."""
-    parts = circuit.parts
-    return float(flow(drop, parts.valve.area, parts.valve.orifice, parts.oil))
+    valve = circuit.parts.valve
+    area = valve.p_a.area if isinstance(valve, ServoValve) else valve.area
+    return float(flow(drop, area, valve.orifice, circuit.parts.oil))
 
 
 def _loop(scenario: Scenario, drive: Drive) -> tuple[SampledGains, tuple[str, ...]]:

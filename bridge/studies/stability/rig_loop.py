@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from bridge.scenario import Scenario, ScenarioError
 from bridge.scenario.controllers import InC, StateSpace, WithVelocity
+from bridge.scenario.fitted_valve import delay_of
 from bridge.studies.stability.rig_plant import RigPlant
 from controller.stability import (
     Margins,
@@ -51,13 +52,13 @@ class Edge(NamedTuple):
 
 
 def timing_of(scenario: Scenario) -> RigTiming:
-    """The times of a scenario's controller. Raises ScenarioError for one that closes no loop."""
-    own = scenario.controller
+    """The times of a controller, the delay with that of a servo valve. Raises ScenarioError for one without a loop."""
+    own, period, delay = scenario.controller, scenario.loop.sample_period, scenario.loop.delay + delay_of(scenario)
     if isinstance(own, StateSpace | InC):
-        return RigTiming(scenario.loop.sample_period, scenario.loop.delay, "none", 0.0)
+        return RigTiming(period, delay, "none", 0.0)
     if not isinstance(own, WithVelocity):
         raise ScenarioError(f"controller.kind {own.kind!r} closes no loop; set controller.kind = 'pd'")
-    return RigTiming(scenario.loop.sample_period, scenario.loop.delay, own.velocity, own.filter_time)
+    return RigTiming(period, delay, own.velocity, own.filter_time)
 
 
 def loop_of(plant: Plant, timing: RigTiming) -> SampledLoop:

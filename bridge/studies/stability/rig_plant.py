@@ -12,7 +12,9 @@ from scipy.optimize import brentq
 
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
+from bridge.scenario.fitted_valve import overlap_of
 from controller.stability import Plant, movable
+from twin.circuit.land_slopes import edge_of, joins, spool_slopes
 from twin.circuit.linear import (
     STATES,
     edge_point,
@@ -23,6 +25,7 @@ from twin.circuit.linear import (
 from twin.circuit.state import State
 from twin.circuit.step import LOWER, UPPER, Circuit
 from twin.seal import friction_limit
+from twin.servo_valve import ServoValve
 
 POINTS = ("rest", "up", "down")
 WIDEST = 0.2  # opening [of travel] that is looked for beyond the overlap
@@ -50,7 +53,7 @@ def plants(scenario: Scenario) -> dict[str, RigPlant]:
     found = {}
     resting = rest_point(circuit, scenario.start.position)
     if resting is not None:
-        opening = abs(resting.spool.position) - circuit.parts.valve.overlap
+        opening = abs(resting.spool.position) - overlap_of(scenario)
         found["rest"] = _plant("rest", resting, None, opening, scenario, circuit)
     for name, edge in (("up", "+"), ("down", "-")):
         point = edge_point(circuit, scenario.start.position, edge)
@@ -60,7 +63,9 @@ def plants(scenario: Scenario) -> dict[str, RigPlant]:
 
 def rest_point(circuit: Circuit, position: float) -> State | None:
     """The point at which the valve passes what leaks and the piston stands still; None without a leak."""
-    overlap = circuit.parts.valve.overlap
+    if isinstance(circuit.parts.valve, ServoValve) and joins(circuit.parts.valve, circuit.parts.valve.null_bias):
+        return _rest_through_null(circuit, position)
+    overlap = max(0.0, edge_of(circuit.parts.valve, "+"))
 
     def speed(opening: float) -> float:
         spool = np.sign(opening) * (overlap + abs(opening))
@@ -81,17 +86,31 @@ def rest_point(circuit: Circuit, position: float) -> State | None:
     return None
 
 
+def _rest_through_null(circuit: Circuit, position: float) -> State | None:
+    """The same of a valve that lets oil through in the middle, so that there is a steady motion at every place."""
+
+    def speed(spool: float) -> float:
+        return moving_point(circuit, position, spool).piston.velocity
+
+    try:
+        return moving_point(circuit, position, float(brentq(speed, -WIDEST, WIDEST, xtol=1e-9)))  # pyright: ignore
+    except ValueError:
+        return None
+
+
 def _plant(name: str, point: State, edge: str | None, opening: float, scenario: Scenario, circuit: Circuit) -> RigPlant:
-    valve = circuit.parts.valve
-    entry, position, velocity = (
-        np.eye(len(STATES))[STATES.index(s)] for s in ("spool_velocity", "position", "velocity")
-    )
-    travel = 1.0 - scenario.controller.jumped_share * valve.overlap
+    entry, position, velocity = np.zeros(len(STATES)), *(_row(state) for state in ("position", "velocity"))
+    entry[[STATES.index("spool"), STATES.index("spool_velocity")]] = spool_slopes(circuit.parts.valve)[1]
+    travel = 1.0 - scenario.controller.jumped_share * overlap_of(scenario)
     a = jacobian(to_vector(point), circuit, edge)
-    linear = Plant(a, valve.natural_frequency**2 * travel * entry, position, velocity)
+    linear = Plant(a, travel * entry, position, velocity)
     sealing = abs(point.ends.pressure[LOWER] - point.ends.pressure[UPPER])
     friction = min(friction_limit(way, sealing, circuit.parts.seal) for way in (1.0, -1.0))
     return RigPlant(name, linear, opening, circuit.parts.load.mass, float(friction))
+
+
+def _row(state: str) -> np.ndarray:
+    return np.eye(len(STATES))[STATES.index(state)]
 
 
 def at_rest(scenario: Scenario) -> Scenario:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bridge.loop.acquisition import Acquisition
 from bridge.loop.controller import ControllerSide, sample_of
 from bridge.loop.further import further_channels
-from bridge.loop.inlet import SAFE
+from bridge.loop.inlet import CENTRED
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.studies.stability.sampled_law import scaled
@@ -85,9 +85,9 @@ class _Loop:
         self.scenario, self.grid, self.plant = scenario, grid, block_of(on.circuit)
         self.state, self.acquisition = on.rest.copy(), Acquisition(scenario)
         self.seen = np.zeros(len(OBSERVED))
-        self.controller, self.hold = ControllerSide(scenario, 1), Hold(SAFE)
+        self.controller, self.hold = ControllerSide(scenario, 1), Hold(CENTRED)
         self.further = further_channels(scenario, on.circuit) if self.controller.reads_channels else None
-        self._advance(SAFE, 0)
+        self._advance(CENTRED, 0)
         self.acquisition.taps[0] = self.acquisition.taps[1]
 
     def sample(self, now: int, tick: int) -> None:
