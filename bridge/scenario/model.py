@@ -36,7 +36,10 @@ from twin.rig import RIG, Choice, Entry, values
 from twin.topology import CHANNELS
 
 SKEW = 5e-6  # [s], 2.2.2
-NOT_GAUGE = ("drop", "modulus", "young", "droop", "override", "hysteresis", "check")  # in names of numbers in Pa
+NOT_GAUGE = (  # in names of numbers in Pa: differences of pressures, and moduli
+    *("drop", "droop", "override", "hysteresis", "check", "accessory_a.cracking", "accessory_b.cracking"),
+    *("modulus", "young"),
+)
 
 
 class Start(Part):

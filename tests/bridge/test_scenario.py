@@ -248,7 +248,7 @@ def test_gauge_pressures_may_be_given_as_absolute_ones():
     found = load("step", changes)
     assert (found.start.p_upper, found.rig.relief.setting) == pytest.approx((2e5, 67e5))
     assert found.rig.oil.vapour_pressure == -1e5
-    for name in ("valve.rated_drop", "filter.drop", "pipe_1.young"):
+    for name in ("valve.rated_drop", "filter.drop", "pipe_1.young", "accessory_a.cracking", "variable_pump.droop"):
         with pytest.raises(ScenarioError, match="write it without 'abs'") as refused:
             load("step", [f"rig.{name}=10 bar abs"])
         assert "\n" not in str(refused.value)
