@@ -18,12 +18,24 @@ COMPONENTS = (
     *("neck", "valve_body", "accessory", "counterbalance", "pilot_check", "throttle", "cushion", "necked_cylinder"),
     *("land_law", "land_network", "servo_opening", "servo_spool", "servo_valve"),
     *("lag", "fixed_pump", "variable_pump", "pressure_source", "accumulator", "check_valve", "return_end"),
-    *("stribeck", "lugre", "friction", "table", "environment", "compliant", "lever", "load_slot", "motor", "actuator"),
+    *(
+        "stribeck",
+        "lugre",
+        "friction",
+        "table",
+        "environment",
+        "compliant",
+        "lever",
+        "load_slot",
+        "motor",
+        "actuator",
+        "load_at_rest",
+    ),
 )
 LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file without a folder is a room too
     "twin": (
         ("quantity",),
-        ("rig_accessories", "rig_servo"),
+        ("rig_accessories", "rig_mechanics", "rig_servo"),
         ("topology", "rig", "integration", "cache_folder", "sealed_files"),
         ("compiled_code", "native_code", "kept"),
         ("compiler",),

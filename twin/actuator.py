@@ -6,29 +6,13 @@ compiled.
 of a chamber, p = max(p_v, B ((S - passed)/V - 1)), is changed by what flows in alone, and by leaks.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
-from twin.cylinder import Chambers, Cylinder
+from twin.air import CLOSE, compression, pressure_at, rounds, tangent
+from twin.cylinder import Chambers, Cylinder, DrainedCylinder
 from twin.kernel import by_type, inlined
 from twin.motor import Motor, displacement_at, passed_oil
 from twin.port import Port
-
-
-class DrainedCylinder(NamedTuple):
-    """A cylinder with leaks to the outside, at the tank's pressure, and an elastic barrel."""
-
-    area_lower: float  # [m^2]
-    area_upper: float
-    dead_lower: float  # [m^3]
-    dead_upper: float
-    stroke: float  # [m]
-    leakage: float  # 1/R [m^3/(s Pa)], across the piston seal
-    outside_lower: float  # 1/R [m^3/(s Pa)], from the chamber to the outside
-    outside_upper: float
-    modulus_lower: float  # B [Pa], of oil and barrel
-    modulus_upper: float
-    vapour_pressure: float  # [Pa], gauge
-
 
 Actuator = Cylinder | DrainedCylinder | Motor
 
@@ -135,22 +119,30 @@ def _(actuator: Motor) -> float:
 
 
 @inlined
+def chamber_volumes(position: float, actuator: Any) -> Chambers:
+    """Lower and upper chamber [m^3]."""
+    return volumes(actuator, position)
+
+
+@inlined
 def chamber_pressures(stored: Chambers, position: float, actuator: Any) -> Chambers:
     """p = max(p_v, B ((S - passed)/V - 1)) [Pa]."""
     volume, gone, b = volumes(actuator, position), passed(actuator, position), moduli(actuator)
     return Chambers(
-        max(actuator.vapour_pressure, b.lower * ((stored.lower - gone.lower) / volume.lower - 1.0)),
-        max(actuator.vapour_pressure, b.upper * ((stored.upper - gone.upper) / volume.upper - 1.0)),
+        pressure_at(actuator.air, b.lower, (stored.lower - gone.lower) / volume.lower, actuator.vapour_pressure),
+        pressure_at(actuator.air, b.upper, (stored.upper - gone.upper) / volume.upper, actuator.vapour_pressure),
     )
 
 
 @inlined
 def chamber_cavities(stored: Chambers, position: float, actuator: Any) -> Chambers:
-    """Vapour [m^3] in each chamber."""
+    """Vapour in each chamber, as the oil [m^3 at reference density] that would fill it."""
     volume, gone, b = volumes(actuator, position), passed(actuator, position), moduli(actuator)
+    thinnest_lower = compression(actuator.air, b.lower, actuator.vapour_pressure)
+    thinnest_upper = compression(actuator.air, b.upper, actuator.vapour_pressure)
     return Chambers(
-        max(0.0, volume.lower * (1.0 + actuator.vapour_pressure / b.lower) - (stored.lower - gone.lower)),
-        max(0.0, volume.upper * (1.0 + actuator.vapour_pressure / b.upper) - (stored.upper - gone.upper)),
+        max(0.0, volume.lower * thinnest_lower - (stored.lower - gone.lower)),
+        max(0.0, volume.upper * thinnest_upper - (stored.upper - gone.upper)),
     )
 
 
@@ -159,8 +151,8 @@ def stored_oil(pressures: Chambers, position: float, actuator: Any) -> Chambers:
     """The oil [m^3] that makes these pressures [Pa]."""
     volume, gone, b = volumes(actuator, position), passed(actuator, position), moduli(actuator)
     return Chambers(
-        volume.lower * (1.0 + pressures.lower / b.lower) + gone.lower,
-        volume.upper * (1.0 + pressures.upper / b.upper) + gone.upper,
+        volume.lower * compression(actuator.air, b.lower, pressures.lower) + gone.lower,
+        volume.upper * compression(actuator.air, b.upper, pressures.upper) + gone.upper,
     )
 
 
@@ -179,18 +171,40 @@ def fill_chambers(
     """Stored oil and pressures a step [s] later, the piston then at a position [m], and oil lost to the outside [m^3].
 
     Trapezoidal rule. p, inflow: pressures and flows from the lines at the start. Ports of the lines at the end. Each
-    chamber's C p + h/2 ((p - c)/Z + leaks) = S* - passed - V is linear, and has one answer with p >= p_v.
+    chamber's C p + h/2 ((p - c)/Z + leaks) = S* - passed - V is linear, and has one answer with p >= p_v; with air it
+    is a tangent, taken until it stands.
     """
-    half, vapour, volume = 0.5 * step, actuator.vapour_pressure, volumes(actuator, position)
-    gone, b, out = passed(actuator, position), moduli(actuator), outside(actuator)
-    leak = actuator.leakage * (p.lower - p.upper)
-    g = half * actuator.leakage
-    a_l = volume.lower / b.lower + half / lower.impedance + g + half * out.lower
-    a_u = volume.upper / b.upper + half / upper.impedance + g + half * out.upper
+    half, volume, gone = 0.5 * step, volumes(actuator, position), passed(actuator, position)
+    leak, out = actuator.leakage * (p.lower - p.upper), outside(actuator)
     s_l = stored.lower + half * (inflow.lower - leak - out.lower * p.lower)
     s_u = stored.upper + half * (inflow.upper + leak - out.upper * p.upper)
-    r_l = s_l - volume.lower + half * lower.free / lower.impedance - gone.lower
-    r_u = s_u - volume.upper + half * upper.free / upper.impedance - gone.upper
+    held = Chambers(s_l - gone.lower, s_u - gone.upper)
+    p_l, p_u = p.lower, p.upper
+    for _ in range(rounds(actuator.air)):
+        before = p_l, p_u
+        p_l, p_u = _by_tangents(Chambers(p_l, p_u), held, volume, lower, upper, actuator, half)
+        if max(abs(p_l - before[0]), abs(p_u - before[1])) <= CLOSE:
+            break
+    leak = actuator.leakage * (p_l - p_u)
+    then = Chambers(
+        s_l + half * ((lower.free - p_l) / lower.impedance - leak - out.lower * p_l),
+        s_u + half * ((upper.free - p_u) / upper.impedance + leak - out.upper * p_u),
+    )
+    return then, Chambers(p_l, p_u), half * (out.lower * (p.lower + p_l) + out.upper * (p.upper + p_u))
+
+
+@inlined
+def _by_tangents(
+    p: Chambers, held: Chambers, volume: Chambers, lower: Port, upper: Port, actuator: Any, half: float
+) -> Chambers:
+    """Both pressures that fill the chambers, what they hold linear about pressures p."""
+    g, vapour, b, out = half * actuator.leakage, actuator.vapour_pressure, moduli(actuator), outside(actuator)
+    c_l, empty_l = tangent(actuator.air, b.lower, volume.lower, p.lower)
+    c_u, empty_u = tangent(actuator.air, b.upper, volume.upper, p.upper)
+    a_l = c_l + half / lower.impedance + g + half * out.lower
+    a_u = c_u + half / upper.impedance + g + half * out.upper
+    r_l = held.lower - empty_l + half * lower.free / lower.impedance
+    r_u = held.upper - empty_u + half * upper.free / upper.impedance
     determinant = a_l * a_u - g * g
     p_l, p_u = (a_u * r_l + g * r_u) / determinant, (a_l * r_u + g * r_l) / determinant
     if p_l < vapour or p_u < vapour:
@@ -200,10 +214,4 @@ def fill_chambers(
         else:
             p_l = vapour
             p_u = max(vapour, (r_u + g * vapour) / a_u)
-    leak = actuator.leakage * (p_l - p_u)
-    then = Chambers(
-        s_l + half * ((lower.free - p_l) / lower.impedance - leak - out.lower * p_l),
-        s_u + half * ((upper.free - p_u) / upper.impedance + leak - out.upper * p_u),
-    )
-    lost = half * (out.lower * (p.lower + p_l) + out.upper * (p.upper + p_u))
-    return then, Chambers(p_l, p_u), lost
+    return Chambers(p_l, p_u)

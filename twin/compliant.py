@@ -53,6 +53,12 @@ def linked_push(
 
 
 @inlined
+def link_force(speed: float, load: Compliant, memory: NDArray) -> float:
+    """Force of the link on the piston [N], which has a speed [m/s]."""
+    return load.link_stiffness * memory[STRETCH] + load.link_damping * (memory[SPEED] - speed)
+
+
+@inlined
 def kick_far(load: Compliant, position: float, mean: float, memory: NDArray, time: float) -> None:
     """The load after a kick in which the piston has a mean speed [m/s]."""
     free, ratio = _far_alone(load, position, memory, time)

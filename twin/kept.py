@@ -30,6 +30,10 @@ def _accessory(port: str) -> dict[str, dict[str, Kept]]:
     return {"counterbalance": body, "pilot-check": body, "throttle": line, "throttle-check": line}
 
 
+def _stretch(words: str, number: int) -> Kept:
+    return Kept(Sensor("m", "lift_range", f", {words}", signed=True), number)
+
+
 KEPT: dict[str, dict[str, dict[str, Kept]]] = {  # section of the rig, its kind, and the word
     "supply": {
         "variable": {"displacement": Kept(Sensor("", "", ", of the variable pump, share of its greatest"), 0)},
@@ -47,6 +51,13 @@ KEPT: dict[str, dict[str, dict[str, Kept]]] = {  # section of the rig, its kind,
         "two-stage": {
             "pilot": _lift("the relief valve's pilot poppet"),
             "spool": _lift("the relief valve's main spool"),
+        }
+    },
+    "friction": {"lugre": {"deflection": _stretch("mean deflection of the bristles", 0)}},
+    "load": {
+        "compliant": {
+            "stretch": _stretch("stretch of the link, the load ahead", 0),
+            "speed": Kept(Sensor("m/s", "velocity_range", ", of the load behind its link", signed=True), 1),
         }
     },
 }

@@ -8,6 +8,7 @@ takes longer than the rest of a start.
 import inspect
 import os
 from collections.abc import Callable
+from contextvars import ContextVar
 from functools import cache, cached_property, update_wrapper
 from typing import Any, Generic, ParamSpec, TypeVar, get_args, get_type_hints
 
@@ -44,9 +45,24 @@ def entry(function: Callable[..., Any], *examples: Any) -> Callable[..., Any]:
     return Entry(_loaded(function, Alike(examples)), examples)
 
 
+_interpreting: ContextVar[bool] = ContextVar("interpreting", default=False)
+
+
 def interpreted(function: F) -> F:
-    """The source of a kernel, for a few calls from Python: cheaper than numba's import, and as slow as Python."""
-    return function.py_func  # pyright: ignore[reportFunctionMemberAccess]
+    """The source of a kernel, for a few calls from Python: cheaper than numba's import, and as slow as Python.
+
+    What it calls is interpreted, too.
+    """
+    source: Any = function.py_func  # pyright: ignore[reportFunctionMemberAccess]
+
+    def call(*arguments: Any, **named: Any) -> Any:
+        before = _interpreting.set(True)
+        try:
+            return source(*arguments, **named)
+        finally:
+            _interpreting.reset(before)
+
+    return call  # pyright: ignore[reportReturnType]
 
 
 class Alike:
@@ -97,7 +113,7 @@ class _Kernel:
         return self.__qualname__  # pyright: ignore[reportAttributeAccessIssue] # pickled by name, as a function
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
-        return self.compiled(*arguments, **named)
+        return (self.py_func if _interpreting.get() else self.compiled)(*arguments, **named)
 
 
 def inlined(function: F) -> F:

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from twin.compliant import Compliant, kick_far, linked_push, move_far
+from twin.compliant import Compliant, kick_far, link_force, linked_push, move_far
 from twin.contact import move_freely
 from twin.environment import Environment, environment_force, inertia_of_dampers
 from twin.kernel import by_type
 from twin.lever import Lever, glide, lever_force, lever_mass
 from twin.load import Load, Weight, carried_mass, contact_force, kick_weight, move_weight, pick_up
+from twin.table import value_and_slope
 
 
 class HeldLoad(NamedTuple):
@@ -181,3 +182,63 @@ def _(load: Compliant, place: float, weight: Weight) -> float:
 @moving_mass.register
 def _(load: Lever, place: float, weight: Weight) -> float:
     return lever_mass(place, load)
+
+
+@by_type
+def acceleration(load: Any, oil: float, place: float, speed: float, viscous: float) -> float:
+    """Of the piston [m/s^2] under the force of the oil [N] and a viscous friction [N s/m]; a link counts as rigid."""
+    raise TypeError(f"{load} is not a load")
+
+
+@acceleration.register
+def _(load: Load, oil: float, place: float, speed: float, viscous: float) -> float:
+    return (oil + load.force - viscous * speed) / load.mass - load.gravity
+
+
+@acceleration.register
+def _(load: HeldLoad, oil: float, place: float, speed: float, viscous: float) -> float:
+    force = oil + load.force + environment_force(place, speed, load.around)
+    return (force - viscous * speed) / load.mass - load.gravity
+
+
+@acceleration.register
+def _(load: Compliant, oil: float, place: float, speed: float, viscous: float) -> float:
+    force = oil + load.force + environment_force(place, speed, load.around)
+    return (force - viscous * speed) / (load.near + load.far) - load.gravity
+
+
+@acceleration.register
+def _(load: Lever, oil: float, place: float, speed: float, viscous: float) -> float:
+    force = oil + lever_force(place, load) + load.force + environment_force(place, speed, load.around)
+    mass, slope = lever_mass(place, load), value_and_slope(place, load.inertia)[1]
+    return (force - viscous * speed - 0.5 * slope * speed * speed) / mass
+
+
+@by_type
+def rod_force(load: Any, place: float, speed: float, acceleration: float, weight: Weight, memory: NDArray) -> float:
+    """Force of the rod on its load [N], whose mass the piston's counts to."""
+    raise TypeError(f"{load} is not a load")
+
+
+@rod_force.register
+def _(load: Load, place: float, speed: float, acceleration: float, weight: Weight, memory: NDArray) -> float:
+    pressed = (1.0 - weight.carried) * max(0.0, place - weight.position)
+    return carried_mass(weight, load) * (load.gravity + acceleration) - load.force + load.stiffness * pressed
+
+
+@rod_force.register
+def _(load: HeldLoad, place: float, speed: float, acceleration: float, weight: Weight, memory: NDArray) -> float:
+    around = environment_force(place, speed, load.around)
+    return load.mass * (load.gravity + acceleration) - load.force - around
+
+
+@rod_force.register
+def _(load: Compliant, place: float, speed: float, acceleration: float, weight: Weight, memory: NDArray) -> float:
+    return load.near * (load.gravity + acceleration) - link_force(speed, load, memory)
+
+
+@rod_force.register
+def _(load: Lever, place: float, speed: float, acceleration: float, weight: Weight, memory: NDArray) -> float:
+    mass, slope = lever_mass(place, load), value_and_slope(place, load.inertia)[1]
+    around = environment_force(place, speed, load.around)
+    return mass * acceleration + 0.5 * slope * speed * speed - lever_force(place, load) - load.force - around

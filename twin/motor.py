@@ -13,6 +13,7 @@ chamber that drives, minus it in the other, and none is lost.
 import math
 from typing import NamedTuple
 
+from twin.air import AnyAir, NoAir
 from twin.kernel import inlined
 
 
@@ -31,12 +32,18 @@ class Motor(NamedTuple):
     vapour_pressure: float  # [Pa], gauge
     ripple: float  # e [-]
     waves: float  # k [1/m]
+    air: AnyAir = NoAir()
 
 
 @inlined
 def displacement_at(position: float, motor: Motor) -> float:
     """D(x) [m^2]."""
     return motor.area_lower * (1.0 + motor.ripple * math.cos(motor.waves * position))
+
+
+def displacement_slope(position: float, motor: Motor) -> float:
+    """D'(x) [m]."""
+    return -motor.area_lower * motor.ripple * motor.waves * math.sin(motor.waves * position)
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""What a number and a choice of the rig are: a value with its unit, source and limits."""
+"""What a number, a choice and a table of the rig are: a value with its unit, source and limits."""
 
 import math
 from typing import NamedTuple

@@ -11,11 +11,11 @@ from typing import Any
 
 from twin.quantity import TINY, Choice, Entry, Number
 from twin.rig_accessories import ACCESSORIES, ACCESSORIES_BUILT
+from twin.rig_mechanics import AXIS, BARREL, LOADS, MECHANICS, MECHANICS_BUILT, STEEL
 from twin.rig_servo import SERVO_BUILT, SERVO_VALVE
 
 Values = Mapping[str, Mapping[str, Any]]  # part -> name -> number or word
 
-STEEL = Number(2.1e11, "Pa", "steel; the thesis used 2.1e10, ten times too small", TINY)
 RUBBER = Number(1.09e9, "Pa", "2.2.3, HIDOL hose", TINY)
 FITTED = "fitted to the facts of 2.3 and 2.6, docs/calibration.md"
 MODELS = ("ends", "nodes", "lumped", "volume", "none")
@@ -226,7 +226,7 @@ RIG: dict[str, dict[str, Entry]] = {
     "cylinder": {
         "bore": Number(50e-3, "m", "Table 2.1", TINY),
         "rod": Number(32e-3, "m", "Table 2.1", TINY),
-        "stroke": Number(270e-3, "m", "Table 2.1", TINY),
+        "stroke": Number(270e-3, "m", "Table 2.1; of a motor the range of its arc, without stops", TINY),
         "dead_upper": Number(19.6e-6, "m^3", "Table 2.1, estimated", TINY),
         "dead_lower": Number(11.6e-6, "m^3", "Table 2.1, estimated", TINY),
         "leakage_resistance": Number(
@@ -234,7 +234,10 @@ RIG: dict[str, dict[str, Entry]] = {
         ),
         "restitution": Number(0.2, "", "assumed, end stops", 0.0, 1.0),
         "rest_speed": Number(1e-3, "m/s", "assumed, slower impacts are dead"),
+        **BARREL,
+        "angle": AXIS,
     },
+    **MECHANICS,
     "seal": {
         "alpha": Number(3.819e-6, "", "(2.13)", TINY),
         "beta": Number(-0.5373, "", "(2.13)", -0.99, -1e-6),
@@ -246,10 +249,11 @@ RIG: dict[str, dict[str, Entry]] = {
     "load": {
         "mass": Number(120.0, "kg", "2.6, piston included", TINY),
         "gravity": Number(9.81, "m/s^2", "2.6"),
-        "force": Number(0.0, "N", "assumed, on the piston, upwards", -math.inf),
+        "force": Number(0.0, "N", "assumed, on the load, upwards", -math.inf),
         "added": Number(0.0, "kg", "2.6: 183 kg in the load-change test; 0 for none"),
         "added_at": Number(138e-3, "m", "2.6, position of the piston where it meets the weight"),
         "contact_time": Number(3e-3, "s", "2.6, by trial and error: half-period of the weight on its buffer", TINY),
+        **LOADS,
     },
     "minor_losses": {
         "kind": Choice("fitted", ("fitted", "none"), "2.7: elbows, tees and mouths, at both ends of each line"),
@@ -296,6 +300,7 @@ BUILT_IN = {  # numbers that stay while the rig runs: why
     **dict.fromkeys(("accumulator.volume", "accumulator.exponent"), "the gas in it is counted by it"),
     "relief.channel_volume": "it is the rig's geometry",
     **dict.fromkeys(ACCESSORIES_BUILT, "it is the valve's or the cylinder's geometry"),
+    **MECHANICS_BUILT,
     **{f"chatter.{name}": "only the valve's theory reads it" for name in RIG["chatter"]},
 }
 

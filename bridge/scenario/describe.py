@@ -16,8 +16,8 @@ from twin.circuit.build import fitted_pipes
 from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.oil import pipe_volume
 from twin.circuit.step import Circuit
-from twin.quantity import Table
-from twin.rig import RIG, Choice, Entry, Values
+from twin.quantity import Choice, Entry, Table
+from twin.rig import RIG, Values
 from twin.rig_servo import LANDS
 from twin.servo_valve import ServoValve
 

@@ -31,8 +31,8 @@ from bridge.scenario.references import Reference
 from bridge.scenario.requirements import Expectation, Expected
 from bridge.scenario.timeline import Happening, plan
 from controller.grid import NS, Sampling, sampling
-from twin.quantity import Table
-from twin.rig import RIG, Choice, Entry, values
+from twin.quantity import Choice, Entry, Table
+from twin.rig import RIG, values
 from twin.topology import CHANNELS
 
 SKEW = 5e-6  # [s], 2.2.2

@@ -105,7 +105,7 @@ def test_every_built_in_scenario_can_be_described(name):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        (["rig.load.force=5000"], "load.force 5000 N lifts the load off the oil"),
+        (["rig.cylinder.rod=60 mm"], "cylinder.rod 0.06 m must be thinner than cylinder.bore 0.05 m"),
         (["rig.relief.kind=none", "rig.pump.efficiency=1"], "the pump flow has no outlet"),
     ],
 )

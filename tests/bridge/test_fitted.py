@@ -7,7 +7,8 @@ import pytest
 from bridge.scenario.fitted import SLOTS, chamber_names, chamber_words, fitted, rod_words
 from bridge.scenario.in_force import KIND_READS, PIPE_READS, in_force
 from bridge.scenario.text_picture import text_picture
-from twin.rig import RIG, Choice, values
+from twin.quantity import Choice
+from twin.rig import RIG, values
 
 OTHER_CHOICES = ("oil", "minor_losses", "amplifier")  # kinds of what has no slot
 

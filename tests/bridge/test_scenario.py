@@ -15,8 +15,8 @@ from bridge.scenario.files import listed
 from bridge.scenario.units import UNITS, quantity
 from controller.bands import WHOLE, Band, Moment, WindowBand
 from controller.reference import evaluate
-from twin.quantity import Table
-from twin.rig import RIG, Choice, values
+from twin.quantity import Choice, Table
+from twin.rig import RIG, values
 
 
 def test_the_built_in_scenarios_are_there_and_load():

@@ -17,6 +17,7 @@ from controller.stability.amplitude.run import Card, Course, run_asking, run_lin
 from controller.stability.amplitude.swing import Swing, last_third
 from twin.circuit.build import build
 from twin.circuit.linear import moving_point
+from twin.load_at_rest import held_force
 from twin.rig import values
 
 EXACT = Card(0.0, 0.0, 0.0, 0.0)
@@ -91,10 +92,13 @@ def test_a_delay_of_whole_periods_shifts_the_motion_and_nothing_else():
 
 def test_friction_holds_what_it_can():
     """A push below the seal's limit does not move the piston by a bit; one above it does."""
-    p_lower = DRIVE.weight / DRIVE.cylinder.area_lower
+    p_lower = held_force(DRIVE.load, 0.1) / DRIVE.cylinder.area_lower
     most = DRIVE.seal.limit * p_lower * DRIVE.seal.width * DRIVE.seal.perimeter
     for share, moves in ((0.9, False), (1.1, True)):
-        pushed = DRIVE._replace(weight=DRIVE.weight - share * most, cylinder=DRIVE.cylinder._replace(leakage=0.0))
+        pushed = DRIVE._replace(
+            load=DRIVE.load._replace(force=DRIVE.load.force + share * most),
+            cylinder=DRIVE.cylinder._replace(leakage=0.0),
+        )
         _, position = run_asking(pushed, START, lambda *_: 0.0, 0.0, Course(0.01, 0.0, 0.0, 0.2), EXACT, 1)
         assert bool(np.ptp(position) > 0.0) is moves
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.scenario import load
+from twin.actuator import chamber_volumes
 from twin.circuit.block import advance, block_of, buffers, compiled
 from twin.circuit.build import build
 from twin.circuit.state import (
@@ -22,7 +23,6 @@ from twin.circuit.state import (
     unflatten,
 )
 from twin.circuit.step import Circuit
-from twin.cylinder import chamber_volumes
 from twin.rig import values
 from twin.topology import ENDS, OBSERVED
 

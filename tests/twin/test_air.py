@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.plant import BAR
+from twin.actuator import chamber_cavities, chamber_pressures, chamber_volumes, fill_chambers, stored_oil
 from twin.air import (
     ATMOSPHERE,
     Air,
@@ -17,15 +18,7 @@ from twin.air import (
     effective_bulk_modulus,
     pressure_at,
 )
-from twin.cylinder import (
-    Chambers,
-    Cylinder,
-    chamber_cavities,
-    chamber_pressures,
-    chamber_volumes,
-    fill_chambers,
-    stored_oil,
-)
+from twin.cylinder import Chambers, Cylinder
 from twin.integration import integrate
 from twin.port import Port
 
@@ -77,7 +70,7 @@ def test_a_step_solves_the_trapezoidal_rule(air: Air, p, c, x: float, leak: floa
     """Oil to the last bit, pressures those of the oil within 1 Pa and never below vapour, whatever the step."""
     own, before, inflow = cylinder(air, 10.0**leak), Chambers(*p), Chambers(2e-4, -3e-4)
     stored, z = stored_oil(before, x, own), 3e9
-    then, after = fill_chambers(stored, before, inflow, Port(c[0], z), Port(c[1], z), x, own, H)
+    then, after, _ = fill_chambers(stored, before, inflow, Port(c[0], z), Port(c[1], z), x, own, H)
     leaked = own.leakage * (p[0] - p[1] + after.lower - after.upper)
     for old, new, flow, free, at, sign in zip(stored, then, inflow, c, after, (-1.0, 1.0), strict=True):
         assert new - old == pytest.approx(0.5 * H * (flow + (free - at) / z + sign * leaked), rel=1e-9, abs=1e-18)
@@ -114,7 +107,7 @@ def test_a_filling_chamber_is_of_second_order():
         stored, flow = stored_oil(p, x, own), 0.0
         for k in range(1, round(0.02 / step) + 1):
             port = Port(free(k * step), z)
-            stored, p = fill_chambers(stored, p, Chambers(flow, 0.0), port, Port(0.0, math.inf), x, own, step)
+            stored, p, _ = fill_chambers(stored, p, Chambers(flow, 0.0), port, Port(0.0, math.inf), x, own, step)
             flow = (port.free - p.lower) / z
         return abs(p.lower - right)
 

@@ -15,6 +15,7 @@ from tests.support.plant import (
     run,
     states,
 )
+from twin.actuator import chamber_cavities, chamber_volumes
 from twin.circuit.equilibrium import equilibrium, state_at
 from twin.circuit.linear import moving_point
 from twin.circuit.state import (
@@ -24,7 +25,6 @@ from twin.circuit.state import (
     pressures,
 )
 from twin.circuit.step import Circuit, Piston, Spool
-from twin.cylinder import chamber_cavities, chamber_volumes
 from twin.pump import pump_flow
 
 

@@ -22,10 +22,11 @@ from tests.support.plant import (
     states,
     watched,
 )
+from twin.actuator import chamber_cavities, stored_oil
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import State, oil_in, pressures
 from twin.circuit.step import LOWER, UPPER, Circuit
-from twin.cylinder import Chambers, chamber_cavities, stored_oil
+from twin.cylinder import Chambers
 from twin.lines.bank import LUMPED, NODES, inner_cavity, profile
 from twin.topology import OBSERVED
 

@@ -5,15 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.plant import BAR
-from twin.cylinder import (
-    Chambers,
-    Cylinder,
-    chamber_cavities,
-    chamber_pressures,
-    chamber_volumes,
-    fill_chambers,
-    stored_oil,
-)
+from twin.actuator import chamber_cavities, chamber_pressures, chamber_volumes, fill_chambers, stored_oil
+from twin.cylinder import Chambers, Cylinder
 from twin.port import Port
 
 H = 50e-6
@@ -30,7 +23,7 @@ def test_a_step_solves_the_trapezoidal_rule_with_no_pressure_below_vapour(p, c, 
     cylinder = CYLINDER._replace(leakage=leak)
     before, inflow = Chambers(*p), Chambers(2e-4, -3e-4)
     stored = stored_oil(before, x, cylinder)
-    then, after = fill_chambers(stored, before, inflow, Port(c[0], z[0]), Port(c[1], z[1]), x, cylinder, H)
+    then, after, _ = fill_chambers(stored, before, inflow, Port(c[0], z[0]), Port(c[1], z[1]), x, cylinder, H)
     leaked = leak * (p[0] - p[1]) + leak * (after.lower - after.upper)
     for old, new, flow, port, at, sign in zip(
         stored, then, inflow, (Port(c[0], z[0]), Port(c[1], z[1])), after, (-1.0, 1.0), strict=True

@@ -15,6 +15,7 @@ from tests.support.plant import (
     pipes,
     run,
 )
+from twin.actuator import chamber_volumes
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.linear import (
     LANDS,
@@ -29,7 +30,6 @@ from twin.circuit.linear import (
 from twin.circuit.rates import STATES, vector_rates
 from twin.circuit.state import pressures
 from twin.circuit.step import Circuit, Piston
-from twin.cylinder import chamber_volumes
 from twin.orifice import flow
 
 C = circuit(pump=SMOOTH, seal=FRICTIONLESS)

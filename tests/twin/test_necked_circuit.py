@@ -21,11 +21,11 @@ from tests.support.plant import (
     watched,
 )
 from twin.accessory import LINE
+from twin.actuator import chamber_volumes
 from twin.circuit.block import observed
 from twin.circuit.equilibrium import equilibrium, state_at
 from twin.circuit.state import Flows, Pressures
 from twin.circuit.step import LOWER, UPPER, Piston, Spool
-from twin.cylinder import chamber_volumes
 
 HOLDING = {"kind": "counterbalance", "setting": 40 * BAR}
 CUSHION = {"kind": "spear", "lower_clearance": 0.2e-3, "upper_clearance": 0.2e-3}

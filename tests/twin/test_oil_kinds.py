@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.plant import BAR, SMOOTH, TIGHT, circuit, run, states, watched
+from twin.actuator import chamber_volumes
 from twin.air import Air, NoAir, compressibility, effective_bulk_modulus
 from twin.circuit.build import build, rebuild
 from twin.circuit.equilibrium import equilibrium
@@ -13,7 +14,6 @@ from twin.circuit.limits import limits
 from twin.circuit.state import flatten, oil_in, pressures, unflatten
 from twin.circuit.step import LOWER
 from twin.circuit.stiffness import keep_oil
-from twin.cylinder import chamber_volumes
 from twin.iso_vg import grade_viscosity
 from twin.rig import values
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from twin.accumulator import OIL as ACCUMULATED
 from twin.accumulator import is_fitted
+from twin.actuator import chamber_cavities
 from twin.amplifier import amplify, is_amplified
 from twin.circuit.ends import TEE_2
 from twin.circuit.state import (
@@ -30,10 +31,9 @@ from twin.circuit.state import (
     unflatten,
 )
 from twin.circuit.step import LOWER, PUMP, UPPER, Circuit, Core, Ends, Parts, Slots, seal_force, step_once
-from twin.cylinder import chamber_cavities
 from twin.kernel import INTERPRETED, entry, field_names, inlined, kernel
 from twin.lines.bank import Bank, inner_cavity, packed, unpacked
-from twin.load import carried_mass
+from twin.load_slot import moving_mass
 from twin.topology import CHAMBERS, CHANNELS, END_COUNT, END_OF, FLOWS, LINES, OBSERVED, PLACES, PORTS, TAPS, cavity
 
 HELD = {  # observed quantities that a flat state holds, and where
@@ -187,7 +187,7 @@ def observe(state, s: Core, ends: Ends, slots: Slots, memory, c: Parts, lines: B
     for line in range(len(lines.model)):
         inner += inner_cavity(lines, memory, line)
         total += ends.oil[line]
-    out[MASS], out[FRICTION] = carried_mass(s.weight, c.load), seal_force(s, ends, c)
+    out[MASS], out[FRICTION] = moving_mass(c.load, s.piston.position, s.weight), seal_force(s, ends, slots, c)
     for i in range(len(PORT_ENDS)):
         out[PORTS_SEEN[i]] = ends.cavity[PORT_ENDS[i]]
     out[CAVITY_TEE] += ends.cavity[TEE_2]

@@ -6,17 +6,15 @@ from functools import lru_cache
 from typing import Any
 
 from twin.amplifier import Amplifiers, Direct, lag
+from twin.circuit.build_mechanics import actuator_of, friction_of, load_of, same_kind, stops_of
 from twin.circuit.build_servo import servo_valve
 from twin.circuit.build_supply import accumulators, check_valve, fitting, return_end, supply
 from twin.circuit.fit_accessories import necks
 from twin.circuit.limits import refuse_coarse_step
 from twin.circuit.oil import air_of, line_spec, oil_of, pipe_volume
 from twin.circuit.step import AtTee, Circuit, OwnLine, Parts
-from twin.contact import Stops
-from twin.cylinder import Cylinder
 from twin.directional_valve import Valve
 from twin.lines.bank import Bank, LineSpec, bank_of
-from twin.load import Load, buffer_stiffness
 from twin.minor_losses import Losses, MinorLosses, NoLosses, loss_per_flow_squared
 from twin.oil import Oil
 from twin.orifice import Orifice, area_for
@@ -25,7 +23,6 @@ from twin.relief.slot import AnyRelief, NoRelief
 from twin.relief.steady import precompression_for
 from twin.relief.valve import Relief, relief
 from twin.rig import Values
-from twin.seal import Seal, seal
 from twin.spool_valve import SpoolValve, step_matrix
 from twin.switching_valve import SwitchingValve
 from twin.topology import PIPES, RELIEF_LINE
@@ -49,10 +46,10 @@ def build(rig: Values, step: float) -> Circuit:
         return_end=return_end(rig, oil),
         valve=_directional_valve(rig, oil, step),
         necks=necks(rig, oil, step),
-        cylinder=_cylinder(rig, oil),
-        seal=_seal(rig["seal"], oil),
-        stops=_stops(rig),
-        load=_load(rig["load"]),
+        cylinder=actuator_of(rig, oil),
+        seal=friction_of(rig, oil),
+        stops=stops_of(rig),
+        load=load_of(rig),
         losses=_losses(rig, oil),
         amplifiers=_amplifiers(rig["amplifier"], step),
         line_volume=sum(pipe_volume(rig[name]) for name in fitted_pipes(rig)),
@@ -101,9 +98,11 @@ MADE: dict[str, Callable[[Values, Parts], dict[str, Any]]] = {  # fields of Part
     "accessory_b": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
     "cushion": lambda rig, parts: {"necks": necks(rig, parts.oil, parts.step)},
     "servo_valve": lambda rig, parts: {"valve": _directional_valve(rig, parts.oil, parts.step)},
-    "cylinder": lambda rig, parts: {"cylinder": _cylinder(rig, parts.oil), "stops": _stops(rig)},
-    "seal": lambda rig, parts: {"seal": _seal(rig["seal"], parts.oil)},
-    "load": lambda rig, _: {"load": _load(rig["load"])},
+    "cylinder": lambda rig, parts: {"cylinder": same_kind(actuator_of(rig, parts.oil), parts), "stops": stops_of(rig)},
+    "motor": lambda rig, parts: {"cylinder": actuator_of(rig, parts.oil), "load": load_of(rig)},
+    "seal": lambda rig, parts: {"seal": friction_of(rig, parts.oil)},
+    "friction": lambda rig, parts: {"seal": friction_of(rig, parts.oil)},
+    "load": lambda rig, _: {"load": load_of(rig)},
     "minor_losses": lambda rig, parts: {"losses": _losses(rig, parts.oil)},
     "amplifier": lambda rig, parts: {"amplifiers": _amplifiers(rig["amplifier"], parts.step)},
 }
@@ -121,8 +120,8 @@ def _with_oil(circuit: Circuit, rig: Values) -> Circuit:
         "return_end": return_end(rig, oil),
         **accumulators(rig, oil),
         "necks": necks(rig, oil, step),
-        "cylinder": _cylinder(rig, oil),
-        "seal": _seal(rig["seal"], oil),
+        "cylinder": actuator_of(rig, oil),
+        "seal": friction_of(rig, oil),
     }
     lines = _specs(rig, oil)
     return _with_parts(circuit, fields)._replace(lines=_lines(lines, step, oil.vapour_pressure))
@@ -196,35 +195,6 @@ def _switching(valve: Entries, oil: Oil) -> SwitchingValve:
     return SwitchingValve(*speeds, valve["cylinder_opens"], valve["idle_shuts"], area, orifice)
 
 
-def _cylinder(rig: Values, oil: Oil) -> Cylinder:
-    cylinder = rig["cylinder"]
-    bore, rod = cylinder["bore"], cylinder["rod"]
-    if rod >= bore:
-        raise ValueError(f"cylinder.rod {rod} m must be thinner than cylinder.bore {bore} m")
-    return Cylinder(
-        area_lower=math.pi / 4.0 * (bore**2 - rod**2),
-        area_upper=math.pi / 4.0 * bore**2,
-        dead_lower=cylinder["dead_lower"],
-        dead_upper=cylinder["dead_upper"],
-        stroke=cylinder["stroke"],
-        leakage=1.0 / cylinder["leakage_resistance"],
-        bulk_modulus=oil.bulk_modulus,
-        vapour_pressure=oil.vapour_pressure,
-        air=air_of(rig, oil),
-    )
-
-
-def _stops(rig: Values) -> Stops:
-    cylinder = rig["cylinder"]
-    return Stops(cylinder["stroke"], cylinder["restitution"], cylinder["rest_speed"])
-
-
-def _seal(friction: Entries, oil: Oil) -> Seal:
-    perimeter, viscosity = math.pi * friction["diameter"], oil.density * oil.viscosity
-    law = friction["alpha"], friction["beta"], friction["limit"], friction["width"]
-    return seal(*law, perimeter, friction["downward"], viscosity)
-
-
 def _losses(rig: Values, oil: Oil) -> Losses:
     losses = rig["minor_losses"]
     if losses["kind"] == "none":
@@ -237,11 +207,6 @@ def _amplifiers(amplifier: Entries, step: float) -> Amplifiers | Direct:
     if amplifier["kind"] == "none":
         return Direct()
     return Amplifiers(lag(amplifier["position"], step), lag(amplifier["pressure"], step))
-
-
-def _load(load: Entries) -> Load:
-    stiffness = buffer_stiffness(load["added"], load["contact_time"])
-    return Load(load["mass"], load["gravity"], load["force"], load["added"], load["added_at"], stiffness)
 
 
 @lru_cache(REMEMBERED)

@@ -7,17 +7,21 @@ import numpy as np
 
 from twin.accessory import INFLOW, LINE, Necks, begin_accessory, resting_neck
 from twin.accumulator import begin_accumulator
+from twin.actuator import Actuator, areas, stored_oil
 from twin.check_valve import cracking_drop, is_check
 from twin.circuit.ends import TEE_1, TEE_2, VALVE_END
 from twin.circuit.open_centre import laws_at_rest, passed, steady_lands, upper_pressure
 from twin.circuit.state import Flows, Pressures, State
 from twin.circuit.step import LOWER, TANK, UPPER, AtTee, Circuit, Core, Ends, Ledger, OwnLine, Piston, Slots
-from twin.cylinder import Chambers, stored_oil
+from twin.cylinder import Chambers
 from twin.directional_valve import Spool, begin_valve, land_orifice, lands_at
 from twin.fitting import fitting_resistance
+from twin.kernel import interpreted
 from twin.lands import Lands
 from twin.lines.bank import arriving, memory_size, settle, steady_drop
-from twin.load import carried_mass, weight_at
+from twin.load import Load, Weight, weight_at
+from twin.load_at_rest import begin_load, held_force
+from twin.load_slot import AnyLoad
 from twin.minor_losses import loss_at_end, minor_drop, resist
 from twin.neck import steady_flow
 from twin.orifice import resistance
@@ -130,14 +134,14 @@ def line_drop(line: int, flow: float, circuit: Circuit) -> float:
 def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> State:
     """The state at rest at a position [m]: p_u as given (0 after a stop with an open return), p_l carries the load.
 
-    With a servo valve that lets oil through at rest and p_u 0, p_u is what that makes it. With a leak across the piston
-    it is where the run starts, not where it stays; with a pump that ripples, what the mean of its flow would make.
-    Raises ValueError outside the stroke, or for a load that would need a lower chamber below the vapour pressure.
+    With a servo valve that lets oil through at rest and p_u 0, p_u is what that makes it. A load that pushes so hard in
+    the positive direction that p_l would fall below the vapour pressure is carried by the upper chamber, the lower one
+    at no pressure. Friction carries nothing. With a leak across the piston it is where the run starts, not where it
+    stays; with a pump that ripples, what the mean of its flow would make. Raises ValueError outside the stroke.
     """
-    cylinder, load, vapour = circuit.parts.cylinder, circuit.parts.load, circuit.parts.oil.vapour_pressure
+    cylinder = circuit.parts.cylinder
     if not 0.0 <= position <= cylinder.stroke:
         raise ValueError(f"start position {position} m lies outside the stroke, 0 to {cylinder.stroke} m")
-    weight = carried_mass(weight_at(position, load), load) * load.gravity - load.force
     supply = supply_at_rest(circuit, starting_ratio(circuit.parts.supply))
     p, t, back = behind_check(supply.tee, circuit), 0.0, 0.0
     if supply.idle > 0.0:
@@ -145,14 +149,8 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
         p, t = supply.tee - to_p, drop_5 + back
     laws = None if isinstance(circuit.parts.necks, Necks) else laws_at_rest(circuit)
     if laws and p_upper == 0.0:
-        p_upper = upper_pressure(p, t, weight, laws, circuit) or 0.0
-    p_lower = (weight + cylinder.area_upper * p_upper) / cylinder.area_lower
-    if p_lower < vapour:
-        most = load.force + weight + cylinder.area_upper * p_upper - cylinder.area_lower * vapour
-        raise ValueError(
-            f"load.force {load.force:g} N lifts the load off the oil, the lower chamber would be at {p_lower:.4g} Pa, "
-            f"below the vapour pressure; take at most {most:.4g} N"
-        )
+        p_upper = upper_pressure(p, t, held_force(circuit.parts.load, position), laws, circuit) or 0.0
+    p_lower, p_upper = holding_pressures(cylinder, circuit.parts.load, position, p_upper)
     p_a, p_b = _held_lines(Chambers(p_lower, p_upper), circuit)
     at = Pressures(supply.pump, supply.tee, p, p_a, p_lower, p_upper, p_b, t, back)
     through = Flows(supply.relieved + supply.idle, supply.idle, 0.0, 0.0, supply.idle, supply.idle)
@@ -167,6 +165,15 @@ def _held_lines(p: Chambers, circuit: Circuit) -> Chambers:
     sides = ((necks.accessory_a, p.lower), (necks.accessory_b, p.upper))
     tight = [steady_flow(-held, resting_neck(kind, 0.0, held, 0.0, oil)) == 0.0 for kind, held in sides]
     return Chambers(*(0.0 if shut else held for shut, held in zip(tight, p, strict=True)))
+
+
+def holding_pressures(actuator: Actuator, load: AnyLoad, position: float, p_upper: float) -> Chambers:
+    """Pressures [Pa] that carry a load at a position [m], as `equilibrium` says."""
+    area, weight = interpreted(areas)(actuator, position), held_force(load, position)
+    p_lower = (weight + area.upper * p_upper) / area.lower
+    if p_lower < actuator.vapour_pressure:
+        return Chambers(0.0, -weight / area.upper)
+    return Chambers(p_lower, p_upper)
 
 
 def relieved_at(tee: float, circuit: Circuit) -> tuple[float, float]:
@@ -210,13 +217,14 @@ def state_at(p: Pressures, q: Flows, piston: Piston, spool: Spool, circuit: Circ
     begin_valve(parts.valve, spool, steady_lands(drop, spool.position, circuit), drop, slots.valve)
     if isinstance(parts.necks, Necks):
         _begin_necks(parts.necks, p, q, line_sides, slots)
-    stored = stored_oil(Chambers(p.lower, p.upper), piston.position, parts.cylinder)
+    stored = interpreted(stored_oil)(Chambers(p.lower, p.upper), piston.position, parts.cylinder)
     begin_supply(parts.supply, p.pump, slots.supply)
     begin_accumulator(parts.p_accumulator, p.p, -q.line_2, slots.accumulator)
     at_tee = isinstance(parts.relief_place, AtTee)
     begin_accumulator(parts.tee_accumulator, p.tee, -relieved if at_tee else 0.0, slots.accumulator)
     relief = begin_relief(parts.relief, before, relieved, slots.relief)
-    weight = weight_at(piston.position, parts.load)
+    weight = weight_at(piston.position, parts.load) if isinstance(parts.load, Load) else Weight(0.0, 0.0, 0.0)
+    begin_load(parts.load, piston.position, slots.load)
     core = Core(0.0, piston, spool, weight, stored, relief, before, Ledger(0.0, 0.0, 0.0))
     return _with_tee(State(core, ends, signals, slots, memory), circuit)
 

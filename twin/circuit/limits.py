@@ -3,14 +3,17 @@
 import math
 from typing import NamedTuple
 
-import numpy as np
-
+from twin.actuator import areas, moduli, volumes
 from twin.circuit.step import Circuit
-from twin.cylinder import Chambers, chamber_volumes
+from twin.compliant import Compliant
 from twin.kernel import interpreted
+from twin.load import Load
+from twin.load_at_rest import inertia_at, rigid_mass, surroundings
+from twin.load_slot import AnyLoad
+from twin.lugre import LuGre
 from twin.pump import Pump
 from twin.relief.direct import DirectRelief
-from twin.seal import least_mass
+from twin.seal import Seal, least_mass
 from twin.servo_valve import ServoValve
 from twin.switching_valve import SwitchingValve
 from twin.topology import PIPES, RELIEF_LINE
@@ -19,6 +22,7 @@ from twin.variable_pump import VariablePump
 FOLLOWED = 0.5  # omega h up to which the leapfrog keeps a frequency within (omega h)^2/24 = 1 %
 STEPS_PER_TRAVEL = 8.0  # of a line, for its stated accuracy
 STEPS_PER_TOOTH = 10.0  # of the pump
+PLACES_TRIED = 16  # over the stroke, for the lightest one
 
 
 class Limit(NamedTuple):
@@ -32,15 +36,16 @@ class Limit(NamedTuple):
 
 def limits(circuit: Circuit) -> list[Limit]:
     """One or more for each part that has a time of its own. Stages of the relief valve have substeps of their own."""
-    parts, stiffest = circuit.parts, stiffest_oil_spring(circuit)
+    parts, stiffest = circuit.parts, stiffest_oil_spring(circuit) + surroundings(circuit.parts.load).stiffness
     found = [
         Limit(pipe, "wave travel time", float(time), float(time) / STEPS_PER_TRAVEL)
         for pipe, time in zip((*PIPES, RELIEF_LINE), circuit.lines.travel_time, strict=False)
         if time > 0.0
     ]
-    found.append(_oscillator("load", "on the oil shut in, stiffest place", stiffest, parts.load.mass))
-    if parts.load.added > 0.0:
-        found.append(_oscillator("load", "weight on its buffer", parts.load.stiffness, _reduced_mass(circuit)))
+    found.append(_oscillator("load", "on the oil shut in, stiffest place", stiffest, least_inertia(circuit)))
+    found += _second_body(parts.load)
+    if isinstance(parts.seal, LuGre):
+        found.append(_oscillator("friction", "on its bristles", parts.seal.stiffness, least_inertia(circuit)))
     if isinstance(parts.supply, Pump) and parts.supply.ripple > 0.0:
         tooth = 1.0 / parts.supply.tooth_frequency
         found.append(Limit("pump", "period of a tooth", tooth, tooth / STEPS_PER_TOOTH))
@@ -80,24 +85,58 @@ def _oscillator(part: str, what: str, stiffness: float, mass: float) -> Limit:
     return Limit(part, what, time, FOLLOWED * time)
 
 
-def _reduced_mass(circuit: Circuit) -> float:
-    load = circuit.parts.load
-    return load.mass * load.added / (load.mass + load.added)
+def _second_body(load: AnyLoad) -> list[Limit]:
+    """Two masses on what is between them."""
+    if isinstance(load, Load) and load.added > 0.0:
+        reduced = load.mass * load.added / (load.mass + load.added)
+        return [_oscillator("load", "weight on its buffer", load.stiffness, reduced)]
+    if isinstance(load, Compliant):
+        reduced = load.near * load.far / (load.near + load.far)
+        return [_oscillator("load", "two masses on their link", load.link_stiffness, reduced)]
+    return []
+
+
+def least_inertia(circuit: Circuit) -> float:
+    """Smallest mass [kg] that moves with the piston, over the stroke."""
+    stroke = circuit.parts.cylinder.stroke
+    return min(inertia_at(circuit.parts.load, i / PLACES_TRIED * stroke) for i in range(PLACES_TRIED + 1))
 
 
 def refuse_coarse_step(circuit: Circuit) -> None:
     """ValueError for a step at which a part of the scheme would have no answer or none that stays bounded."""
-    load, step = circuit.parts.load, circuit.parts.step
-    if load.mass < (least := stiffest_oil_spring(circuit) * step**2):
+    load, step, mass = circuit.parts.load, circuit.parts.step, least_inertia(circuit)
+    if mass < (least := _stiffness_on_piston(circuit) * step**2):
         raise ValueError(
-            f"load.mass {load.mass} kg swings too fast on the oil for a step of {step} s: "
+            f"load.mass {mass} kg swings too fast on the oil for a step of {step} s: "
             f"at least {least:.3g} kg; take a smaller loop.step"
         )
-    if load.mass < (least := least_mass(circuit.parts.seal, 0.5 * step)):
+    if isinstance(circuit.parts.seal, Seal) and mass < (least := least_mass(circuit.parts.seal, 0.5 * step)):
         raise ValueError(
-            f"load.mass {load.mass} kg is too light for the seal's friction at a step of {step} s: "
+            f"load.mass {mass} kg is too light for the seal's friction at a step of {step} s: "
             f"at least {least:.3g} kg; take a smaller loop.step or seal.limit = 0"
         )
+    if isinstance(load, Load):
+        _refuse_short_contact(load, step)
+    if isinstance(load, Compliant):
+        _refuse_light_load(load, step)
+
+
+def _stiffness_on_piston(circuit: Circuit) -> float:
+    """Stiffness [N/m] of all springs that act on the piston."""
+    load = circuit.parts.load
+    own = load.link_stiffness if isinstance(load, Compliant) else surroundings(load).stiffness
+    return stiffest_oil_spring(circuit) + own
+
+
+def _refuse_light_load(load: Compliant, step: float) -> None:
+    if load.far < (least := (load.link_stiffness + load.around.stiffness) * step**2):
+        raise ValueError(
+            f"load.far_mass {load.far} kg swings too fast on its link for a step of {step} s: "
+            f"at least {least:.3g} kg; take a smaller loop.step or load.link_stiffness"
+        )
+
+
+def _refuse_short_contact(load: Load, step: float) -> None:
     least = math.pi * step * math.sqrt(1.0 + load.added / load.mass)
     if load.added > 0.0 and (given := math.pi * math.sqrt(load.added / load.stiffness)) < least:
         raise ValueError(
@@ -113,17 +152,26 @@ def stiffest_oil_spring(circuit: Circuit) -> float:
 
 def oil_spring(circuit: Circuit, position: float) -> float:
     """Stiffness [N/m] of the oil in both chambers, the lines shut off, the piston at a position [m]."""
+    return _on_oil(circuit, position, (0.0, 0.0))
+
+
+def _on_oil(circuit: Circuit, position: float, hoses: tuple[float, float]) -> float:
+    """Stiffness [N/m] of the oil in both chambers and in what is joined to them [m^3/Pa]."""
     cylinder = circuit.parts.cylinder
-    volume = interpreted(chamber_volumes)(position, cylinder)
-    areas = Chambers(cylinder.area_lower, cylinder.area_upper)
-    return cylinder.bulk_modulus * sum(area**2 / v for area, v in zip(areas, volume, strict=True))
+    volume, b = interpreted(volumes)(cylinder, position), interpreted(moduli)(cylinder)
+    area = interpreted(areas)(cylinder, position)
+    return sum(a**2 / (v / modulus + hose) for a, v, modulus, hose in zip(area, volume, b, hoses, strict=True))
+
+
+def held_oil_spring(circuit: Circuit, position: float) -> float:
+    """Stiffness [N/m] of the oil in chambers and cylinder lines, both ends of the valve shut."""
+    return _on_oil(circuit, position, (float(circuit.lines.capacity[2]), float(circuit.lines.capacity[3])))
 
 
 def natural_frequency(circuit: Circuit, position: float) -> float:
-    """omega_h [rad/s] of the load on the oil of chambers and cylinder lines, both ends of the valve shut."""
-    cylinder, lines = circuit.parts.cylinder, circuit.lines
-    volume = interpreted(chamber_volumes)(position, cylinder)
-    lower = volume.lower / cylinder.bulk_modulus + lines.capacity[2]
-    upper = volume.upper / cylinder.bulk_modulus + lines.capacity[3]
-    stiffness = cylinder.area_lower**2 / lower + cylinder.area_upper**2 / upper
-    return float(np.sqrt(stiffness / circuit.parts.load.mass))
+    """omega_h [rad/s] of the load on the oil of chambers and cylinder lines, both ends of the valve shut.
+
+    With the spring around the load; of a compliant load, as if its link were rigid.
+    """
+    stiffness = held_oil_spring(circuit, position) + surroundings(circuit.parts.load).stiffness
+    return math.sqrt(stiffness / rigid_mass(circuit.parts.load, position))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.actuator import areas, drive, moduli, outside, widening
 from twin.air import tangent
 from twin.circuit.block import compiled
 from twin.circuit.equilibrium import behind_check, state_at, supply_at_rest
@@ -41,13 +42,20 @@ from twin.circuit.state import (
     flows,
     pressures,
 )
-from twin.circuit.step import Circuit, Piston
+from twin.circuit.step import Circuit, Parts, Piston
+from twin.compliant import Compliant
+from twin.cylinder import Chambers
 from twin.directional_valve import Spool, is_switching
 from twin.fitting import fitting_slope
+from twin.kernel import interpreted
 from twin.lands import Lands
 from twin.lines.bank import VOLUME
 from twin.lines.bank import steady_slope as line_slope
+from twin.load import Load
+from twin.load_at_rest import inertia_at, moved_weight
+from twin.load_slot import AnyLoad, acceleration
 from twin.minor_losses import loss_at_end
+from twin.motor import Motor, displacement_slope
 from twin.relief.slot import relief_slope
 from twin.return_end import return_slope
 from twin.supply import steady_supply
@@ -64,6 +72,8 @@ STATE_OF = {"position": "position", "velocity": "velocity", "spool": "spool"} | 
 }
 TAPS = {name: STATE_OF[channel.reads] for name, channel in CHANNELS.items() if channel.reads in STATE_OF}
 LANDS = {"p_a": (P, A), "b_t": (B, T), "p_b": (P, B), "a_t": (A, T)}
+CHAMBERS_AT = LOWER, UPPER
+SMALL = 1e-6  # [m], [m/s], of a difference that stands for a slope
 UNKNOWN = [*range(X), V]  # what a moving point is solved for
 
 
@@ -86,25 +96,24 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
     """
     _check_edge(edge, ("+", "-"))
     _refuse_switching(circuit)
-    p = _edge_pressures(circuit, edge)
+    p = _edge_pressures(circuit, position, edge)
     _refuse_cavity(p, circuit)
     spool = Spool(edge_of(circuit.parts.valve, edge), 0.0)
     through = Flows(supply_at_rest(circuit).relieved, 0.0, 0.0, 0.0, 0.0, 0.0)
     return state_at(p, through, Piston(position, 0.0), spool, circuit)
 
 
-def _edge_pressures(circuit: Circuit, edge: str) -> Pressures:
-    c, load = circuit.parts.cylinder, circuit.parts.load
+def _edge_pressures(circuit: Circuit, position: float, edge: str) -> Pressures:
+    area, weight = interpreted(areas)(circuit.parts.cylinder, position), moved_weight(circuit.parts.load, position)
     pump, tee = supply_at_rest(circuit)[:2]
     port, ratio = behind_check(tee, circuit), area_ratio(circuit.parts.valve, edge)
-    weight = load.mass * load.gravity - load.force
     if edge == "+":
-        k = (ratio * c.area_upper / c.area_lower) ** 2  # (p_u - 0)/(p_P - p_l)
-        lower = (weight + c.area_upper * k * port) / (c.area_lower + c.area_upper * k)
+        k = (ratio * area.upper / area.lower) ** 2  # (p_u - 0)/(p_P - p_l)
+        lower = (weight + area.upper * k * port) / (area.lower + area.upper * k)
         upper = k * (port - lower)
     else:
-        k = (ratio * c.area_lower / c.area_upper) ** 2  # (p_l - 0)/(p_P - p_u)
-        upper = (c.area_lower * k * port - weight) / (c.area_lower * k + c.area_upper)
+        k = (ratio * area.lower / area.upper) ** 2  # (p_l - 0)/(p_P - p_u)
+        upper = (area.lower * k * port - weight) / (area.lower * k + area.upper)
         lower = k * (port - upper)
     return Pressures(pump, tee, port, lower, lower, upper, upper, 0.0, 0.0)
 
@@ -119,7 +128,7 @@ def moving_point(circuit: Circuit, position: float, spool: float, viscous: float
     _refuse_switching(circuit)
     if not joins(circuit.parts.valve, spool):
         raise ValueError(f"spool {spool} lies inside the overlap, {_dead_band(circuit)}; take it further out")
-    pressure_guess = _edge_pressures(circuit, "+" if spool > 0.0 else "-")
+    pressure_guess = _edge_pressures(circuit, position, "+" if spool > 0.0 else "-")
     full = np.array([*pressure_guess, *[0.0] * LINES, position, math.copysign(0.01, spool), spool, 0.0])
     column, row = _scales(circuit)
 
@@ -157,7 +166,8 @@ def linearise(
     viscous = _viscous(friction)
     a = jacobian(to_vector(point), circuit, edge, viscous)
     b = np.zeros((len(STATES), len(INPUTS)))
-    b[[S, S_RATE], 0], b[V, 1] = spool_slopes(circuit.parts.valve)[1], 1.0 / circuit.parts.load.mass
+    b[[S, S_RATE], 0] = spool_slopes(circuit.parts.valve)[1]
+    b[V, 1] = 1.0 / inertia_at(circuit.parts.load, point.piston.position)
     c = np.array([[float(state == tap) for state in STATES] for tap in TAPS.values()])
     valve = f"spool {point.spool.position:g}" if edge is None else f"land edge {edge}, overlap removed"
     note = f"{valve}, friction {f'{viscous:g} N s/m' if viscous else 'off'}"
@@ -173,7 +183,7 @@ def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0)
     a = np.zeros((len(STATES), len(STATES)))
     a[FLOW:X] = _line_slopes(y, circuit)
     a[:FLOW] = _inflow_slopes(y, circuit, edge, a[FLOW:X]) / _capacities(y, circuit)[:, None]
-    a[V, [LOWER, UPPER, V]] = np.array([c.cylinder.area_lower, -c.cylinder.area_upper, -viscous]) / c.load.mass
+    _add_motion(a, y, circuit, viscous)
     a[S : S_RATE + 1, S : S_RATE + 1], command = spool_slopes(c.valve)
     a[S : S_RATE + 1] += np.outer(command, _force_slopes(y, circuit, edge))
     a[X, V] = 1.0
@@ -208,6 +218,7 @@ def _line_slopes(y: Array, circuit: Circuit) -> Array:
 def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None, of_lines: Array) -> Array:
     """Slopes of C p' = S' - V' S/V, a row per place; of_lines: those of the rates of the flows."""
     c, lines, slopes = circuit.parts, circuit.lines, np.zeros((FLOW, len(STATES)))
+    _refuse_link(c.load)
     for line, (source, sink) in enumerate(LINE_ENDS):
         through = 0.5 * lines.step * of_lines[line] if lines.model[line] == VOLUME else np.zeros(len(STATES))
         through[FLOW + line] += 1.0
@@ -220,11 +231,45 @@ def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None, of_lines: Array
         slopes[sink, [source, sink, S]] += by_drop, -by_drop, by_spool
     slopes[PUMP, PUMP] += steady_supply(c.supply, float(y[PUMP]), 1.0, c.oil)[1]
     slopes[TEE, TEE] -= relief_slope(c.relief, float(y[TEE]))
-    for place, area, sign in ((LOWER, c.cylinder.area_lower, -1.0), (UPPER, c.cylinder.area_upper, 1.0)):
-        slope, empty = tangent(c.cylinder.air, c.cylinder.bulk_modulus, area, float(y[place]))
-        slopes[place, place] += sign * slope * y[V]
-        slopes[place, V] = sign * (empty + slope * y[place])
+    _add_chambers(slopes, y, c)
     return slopes
+
+
+def _add_chambers(slopes: Array, y: Array, c: Parts) -> None:
+    """What the chambers' volumes, or the oil that passes, and their leaks to the outside add."""
+    area, b = interpreted(areas)(c.cylinder, float(y[X])), interpreted(moduli)(c.cylinder)
+    drained, wide = interpreted(outside)(c.cylinder), interpreted(widening)(c.cylinder) == 1.0
+    for place, swept, modulus, leak, sign in zip(CHAMBERS_AT, area, b, drained, (-1.0, 1.0), strict=True):
+        slope, empty = interpreted(tangent)(c.cylinder.air, modulus, swept, float(y[place])) if wide else (0.0, swept)
+        slopes[place, place] += sign * slope * y[V] - leak
+        slopes[place, V] = sign * (empty + slope * y[place])
+        if isinstance(c.cylinder, Motor):
+            slopes[place, X] = sign * displacement_slope(float(y[X]), c.cylinder) * y[V]
+
+
+def _add_motion(a: Array, y: Array, circuit: Circuit, viscous: float) -> None:
+    """The row of the piston's acceleration; by differences where the load's equation has no other name for a slope."""
+    c, x, v = circuit.parts, float(y[X]), float(y[V])
+    area = interpreted(areas)(c.cylinder, x)
+    mass = inertia_at(c.load, x)
+    a[V, [LOWER, UPPER, V]] = np.array([area.lower, -area.upper, -viscous]) / mass
+    if isinstance(c.load, Load) and not isinstance(c.cylinder, Motor):
+        return
+
+    def rate(x: float, v: float) -> float:
+        oil = interpreted(drive)(Chambers(float(y[LOWER]), float(y[UPPER])), x, c.cylinder)
+        return interpreted(acceleration)(c.load, oil, x, v, viscous)
+
+    a[V, X] = (rate(x + SMALL, v) - rate(x - SMALL, v)) / (2.0 * SMALL)
+    a[V, V] = (rate(x, v + SMALL) - rate(x, v - SMALL)) / (2.0 * SMALL)
+
+
+def _refuse_link(load: AnyLoad) -> None:
+    if isinstance(load, Compliant):
+        raise ValueError(
+            "a compliant load has a second mass that the linear model has no states for; linearise with "
+            "load.kind = 'environment' and the sum of both masses"
+        )
 
 
 def lands(y: Array, circuit: Circuit, edge: str | None) -> list[LandSlope]:
@@ -248,7 +293,7 @@ def _capacities(y: Array, circuit: Circuit) -> Array:
 
 def _scales(circuit: Circuit) -> tuple[Array, Array]:
     """Sizes of the unknowns, and of their rates, that bring a moving point's equations to order one."""
-    inertances, mass = circuit.lines.inertance, circuit.parts.load.mass
+    inertances, mass = circuit.lines.inertance, inertia_at(circuit.parts.load, 0.0)
     row = np.array([*(1e4 * _capacities(np.zeros(len(STATES)), circuit)), *(1e-5 * inertances), 1e-3 * mass])
     return np.array([1e5] * FLOW + [1e-4] * LINES + [0.1]), row
 

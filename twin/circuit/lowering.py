@@ -16,6 +16,7 @@ from twin.cylinder import Chambers
 from twin.directional_valve import land_orifice, lands_at
 from twin.fitting import fitting_resistance
 from twin.kernel import interpreted
+from twin.load_at_rest import moved_weight
 from twin.neck import steady_flow
 from twin.orifice import resistance
 from twin.pilot_check import PilotCheck
@@ -104,7 +105,7 @@ def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit
         p_pilot = p_b - line_drop(into, q_driven, circuit)
         p_driven = p_pilot - drop_into(q_driven, "accessory_b" if lower else "accessory_a", circuit)
         q_driven = a_driven * speed * (1.0 + p_driven / b)
-    weight = parts.load.mass * parts.load.gravity - parts.load.force
+    weight = moved_weight(parts.load, position)
     p_held = ((weight if lower else -weight) + a_driven * p_driven) / a_held
     q_held = a_held * speed * (1.0 + p_held / b)
     p_t = line_drop(4, q_held, circuit) + line_drop(5, q_held, circuit)

@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.accessory import between
+from twin.actuator import chamber_volumes
 from twin.circuit.lowering import Lowering, drop_into
 from twin.circuit.step import Circuit
 from twin.counterbalance import Counterbalance, opening_force
-from twin.cylinder import Chambers, chamber_volumes
+from twin.cylinder import Chambers
 from twin.directional_valve import land_orifice, lands_at
 from twin.fitting import fitting_slope
 from twin.kernel import interpreted
@@ -31,6 +32,7 @@ from twin.lines.bank import LUMPED, VOLUME
 from twin.lines.bank import steady_slope as line_slope
 from twin.lines.spec import LOSSES
 from twin.lines.theory import losses
+from twin.load_at_rest import rigid_mass, surroundings
 from twin.minor_losses import loss_at_end
 from twin.orifice import flow_slopes, resistance
 from twin.relief.pilot_theory import roots
@@ -146,7 +148,9 @@ def _matrices(s: Array, at: Lowering, rig: Mapping[str, Any], circuit: Circuit, 
     areas = Chambers(cylinder.area_lower, cylinder.area_upper)
     (a_h, a_d), (v_h, v_d) = (areas, volumes) if at.held == "accessory_a" else (areas[::-1], volumes[::-1])
     m = np.zeros((len(s), 6, 6), complex)
-    m[:, 0, 0], m[:, 0, 1], m[:, 0, 2] = parts.load.mass * s + viscous, a_h, -a_d
+    around = surroundings(parts.load)
+    m[:, 0, 0] = rigid_mass(parts.load, at.position) * s + viscous + around.viscous + around.stiffness / s
+    m[:, 0, 1], m[:, 0, 2] = a_h, -a_d
     m[:, 1, 0] = -a_h * (1.0 + at.p_held / b)
     m[:, 1, 1] = (v_h * s - a_h * at.speed) / b + slopes.by_drop
     m[:, 1, 3], m[:, 1, 4] = slopes.by_lift, -slopes.by_drop

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from twin.actuator import chamber_cavities
 from twin.circuit.block import PORT_ENDS
 from twin.circuit.state import MEMORY_AT, ends_of, load
 from twin.circuit.step import LOWER, UPPER
-from twin.cylinder import chamber_cavities
 from twin.kernel import kernel
 from twin.lines.bank import inner_cavity, profile, unpacked
 from twin.topology import CHAMBERS, LINES, POINTS, PORTS

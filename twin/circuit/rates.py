@@ -13,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.accumulator import gas_capacity
+from twin.actuator import areas, moduli, outside, volumes, widening
 from twin.air import compression, tangent
 from twin.check_valve import cracking_drop_of
 from twin.circuit.state import Flows, Pressures
 from twin.circuit.step import Circuit
-from twin.cylinder import chamber_volumes
 from twin.directional_valve import Spool, force_at, land_orifice, lands_at, leaks_at, spool_rates
 from twin.fitting import fitting_resistance
 from twin.kernel import inlined, kernel
 from twin.lands import Lands
 from twin.lines.bank import VOLUME, steady_drop, unpacked
+from twin.load_slot import acceleration
 from twin.minor_losses import minor_drop
 from twin.orifice import flow
 from twin.relief.slot import steady_relief
@@ -75,15 +76,14 @@ def rates(y, reference: float, parts, whole, numbers, viscous: float, out) -> No
         out[first] -= through
         if second >= 0:
             out[second] += through
-    cylinder = c.cylinder
-    air, b = cylinder.air, cylinder.bulk_modulus
-    out[LOWER] -= cylinder.area_lower * compression(air, b, y[LOWER]) * y[V]
-    out[UPPER] += cylinder.area_upper * compression(air, b, y[UPPER]) * y[V]
+    b, area, air = moduli(c.cylinder), areas(c.cylinder, y[X]), c.cylinder.air
+    wide = widening(c.cylinder) == 1.0
+    out[LOWER] -= area.lower * (compression(air, b.lower, y[LOWER]) if wide else 1.0) * y[V]
+    out[UPPER] += area.upper * (compression(air, b.upper, y[UPPER]) if wide else 1.0) * y[V]
     for place in range(FLOW):
         out[place] /= _capacity(place, y[X], y[place], c, lines)
     out[X] = y[V]
-    force = cylinder.area_lower * y[LOWER] - cylinder.area_upper * y[UPPER] + c.load.force
-    out[V] = (force - viscous * y[V]) / c.load.mass - c.load.gravity
+    out[V] = acceleration(c.load, area.lower * y[LOWER] - area.upper * y[UPPER], y[X], y[V], viscous)
     force = force_at(c.valve, _land_drops(y), lands_at(c.valve, y[S]))
     moved = spool_rates(c.valve, Spool(y[S], y[S_RATE]), reference, force)
     out[S], out[S_RATE] = moved.position, moved.velocity
@@ -107,7 +107,8 @@ def _inflows(y, c, out) -> None:
     out[PUMP] = steady_supply(c.supply, y[PUMP], 1.0, c.oil)[0]
     out[TEE] = -steady_relief(c.relief, y[TEE])
     out[P], out[A], out[B], out[T], out[BACK] = -p_a - p_b, p_a - a_t, p_b - b_t, b_t + a_t, 0.0
-    out[LOWER], out[UPPER] = -leak, leak
+    drained = outside(c.cylinder)
+    out[LOWER], out[UPPER] = -leak - drained.lower * y[LOWER], leak - drained.upper * y[UPPER]
 
 
 @kernel
@@ -124,11 +125,11 @@ def _capacity(place: int, position: float, pressure: float, c, lines) -> float:
     for line in range(LINES):
         if LINE_ENDS[line][0] == place or LINE_ENDS[line][1] == place:
             total += 0.5 * lines.capacity[line]
-    cylinder, volume = c.cylinder, chamber_volumes(position, c.cylinder)
+    volume, b, air = volumes(c.cylinder, position), moduli(c.cylinder), c.cylinder.air
     if place == LOWER:
-        total += tangent(cylinder.air, cylinder.bulk_modulus, volume.lower, pressure)[0]
+        total += tangent(air, b.lower, volume.lower, pressure)[0]
     if place == UPPER:
-        total += tangent(cylinder.air, cylinder.bulk_modulus, volume.upper, pressure)[0]
+        total += tangent(air, b.upper, volume.upper, pressure)[0]
     if place == TEE:
         total += gas_capacity(c.tee_accumulator, pressure)
     if place == P:

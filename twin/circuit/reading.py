@@ -8,7 +8,13 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.actuator import moduli
 from twin.circuit.step import Circuit
+from twin.environment import Environment
+from twin.kernel import interpreted
+from twin.load import Load
+from twin.load_at_rest import surroundings
+from twin.load_slot import HeldLoad
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
@@ -18,9 +24,19 @@ REACHED = 1e-4  # [m], as near to a stop as a sample may miss a bounce
 def force_balance(time: Array, columns: Columns, circuit: Circuit) -> Array:
     """(A_l p_l - A_u p_u - m (g + x'') + F - F_f)/A_l [Pa], (2.10)."""
     cylinder, load = circuit.parts.cylinder, circuit.parts.load
+    if not isinstance(load, Load | HeldLoad):
+        raise ValueError("force_balance is that of one mass: with load.kind = 'compliant' or 'lever' leave it out")
     oil = cylinder.area_lower * columns["p_lower"] - cylinder.area_upper * columns["p_upper"]
     inertia = columns["mass"] * (load.gravity + np.gradient(columns["velocity"], time))
-    return (oil - inertia + load.force + columns["friction"]) / cylinder.area_lower
+    around = _around(columns, surroundings(load))
+    return (oil - inertia + load.force + around + columns["friction"]) / cylinder.area_lower
+
+
+def _around(columns: Columns, around: Environment) -> Array:
+    """Force [N] of springs and dampers on the load."""
+    v = columns["velocity"]
+    dampers = (around.viscous + around.quadratic * np.abs(v)) * v
+    return -around.stiffness * (columns["position"] - around.neutral) - dampers
 
 
 def speed_balance(_: Array, columns: Columns, circuit: Circuit) -> Array:
@@ -32,9 +48,9 @@ def speed_balance(_: Array, columns: Columns, circuit: Circuit) -> Array:
 
 def sink_balance(_: Array, columns: Columns, circuit: Circuit) -> Array:
     """v + leak/(A_l (1 + p_l/B)) [m/s]: a shut-in load sinks as the leak across the piston lets it."""
-    cylinder = circuit.parts.cylinder
+    cylinder, modulus = circuit.parts.cylinder, interpreted(moduli)(circuit.parts.cylinder).lower
     leak = cylinder.leakage * (columns["p_lower"] - columns["p_upper"])
-    return columns["velocity"] + leak / (cylinder.area_lower * (1.0 + columns["p_lower"] / cylinder.bulk_modulus))
+    return columns["velocity"] + leak / (cylinder.area_lower * (1.0 + columns["p_lower"] / modulus))
 
 
 BALANCES: dict[str, Callable[[Array, Columns, Circuit], Array]] = {
@@ -48,7 +64,8 @@ def moments(time: Array, columns: Columns, circuit: Circuit) -> dict[str, float]
     """When [s] the piston met the weight, ran into its upper stop; NaN for what did not happen."""
     load, stroke = circuit.parts.load, circuit.parts.cylinder.stroke
     position = columns["position"]
-    met = (position >= load.support) & (load.added > 0.0)
+    waits = isinstance(load, Load) and load.added > 0.0
+    met = position >= load.support if waits else np.zeros(len(position), bool)
     return {"contact": _onset(time, met), "impact": _onset(time, position >= stroke - REACHED)}
 
 

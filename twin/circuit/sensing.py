@@ -2,26 +2,30 @@
 
 Most are observed quantities, or numbers that a kind keeps in its slot. The accelerometer gives the mean over the last
 step, impacts included. The force cell is between the rod and what it carries, the piston's own mass counted there
-(2.10): `F = m (g + a) - F_ext`, and what presses the buffer of a weight that waits. So the rod's stops do not act on
-it, and at rest it shows the weight.
+(2.10): `F = m (g + a) - F_ext`, and what springs, dampers, a link or the buffer of a weight that waits take. So the
+rod's stops do not act on it, and at rest it shows the weight.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.circuit.block import MASS, Compiled
-from twin.circuit.state import SLOTS_AT, place_of
+from twin.circuit.block import Compiled
+from twin.circuit.state import SLOTS_AT, slots_of
+from twin.circuit.state import load as core_of
+from twin.environment import Environment
 from twin.kept import FOLLOWS, kept
+from twin.kernel import interpreted
+from twin.load_slot import AnyLoad, rod_force
+from twin.table import Curve
 from twin.topology import CHANNELS, OBSERVED, SLOT, SLOTS
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
 Values = Mapping[str, Mapping[str, Any]]
 PLACES_SEEN = {name: place for place, name in enumerate(OBSERVED)}
-POSITION_AT, FACE_AT, CARRIED_AT = map(place_of, ("piston.position", "weight.position", "weight.carried"))
 SPEED = [*CHANNELS].index("velocity")  # of the taps
 
 
@@ -45,10 +49,19 @@ def acceleration(now: Moment) -> float:
 
 
 def force(now: Moment) -> float:
-    """Of the rod on its load [N], upwards."""
-    load, state = now.parts["load"], now.state
-    pressed = (1.0 - state[CARRIED_AT]) * max(0.0, state[POSITION_AT] - state[FACE_AT])
-    return now.seen[MASS] * (load["gravity"] + acceleration(now)) - load["force"] + load["stiffness"] * pressed
+    """Of the rod on its load [N], in the positive direction."""
+    load, core = _as_load(now.parts["load"]), interpreted(core_of)(now.state)
+    place, memory = core.piston.position, interpreted(slots_of)(now.state).load
+    return interpreted(rod_force)(load, place, now.taps[1, SPEED], acceleration(now), core.weight, memory)
+
+
+KINDS: dict[tuple[str, ...], Any] = {kind._fields: kind for kind in (*get_args(AnyLoad), Environment, Curve)}
+
+
+def _as_load(record: Any) -> Any:
+    """A load as its own type again, of a record."""
+    entries = (record[name] for name in record.dtype.names)
+    return KINDS[record.dtype.names](*(_as_load(e) if e.dtype.names else float(e) for e in entries))
 
 
 DERIVED: dict[str, Callable[[Moment], float]] = {

@@ -10,13 +10,13 @@ its own: half a kick of the piston by the pressures, its travel, oil into the ch
 pressures. `block` runs it on flat arrays; what a step reads and writes of the lines are the arrays of `Ends`.
 """
 
-import math
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
 from twin.accessory import INFLOW, LINE, Joined, Necks, accessory_neck, cushioned
 from twin.accumulator import AnyAccumulator, fill_accumulator, with_accumulator
+from twin.actuator import Actuator, drive, fill_chambers
 from twin.amplifier import Amplifiers, Direct
 from twin.check_valve import AnyCheck
 from twin.circuit.ends import (
@@ -37,21 +37,22 @@ from twin.circuit.ends import (
     set_pressure,
 )
 from twin.circuit.tee import AtTee, OwnLine, relief_side
-from twin.contact import Stops, stopped, travel
-from twin.cylinder import Chambers, Cylinder, drive, fill_chambers
+from twin.contact import AnyStops, allowed_speed
+from twin.cylinder import Chambers
 from twin.directional_valve import Spool, Valve, move_valve, valve_flows
 from twin.fitting import Fitting
+from twin.friction import Friction, friction_force, slide
 from twin.kernel import by_type, inlined
 from twin.lands import Ports
 from twin.lines.bank import Bank, arriving, departing
-from twin.load import Load, Weight, carried_mass, contact_force, kick_weight, move_weight, pick_up
+from twin.load import Weight
+from twin.load_slot import AnyLoad, join, kick_second, move_load, push_of
 from twin.minor_losses import Losses, resist
 from twin.necked_cylinder import fill_behind_necks
 from twin.oil import Oil
 from twin.port import Port, joined, with_cavity
 from twin.relief.motion import Motion
 from twin.return_end import AnyEnd, is_open_end, return_flow
-from twin.seal import Seal, friction, friction_limit, slide
 from twin.supply import supply_flow
 
 
@@ -70,10 +71,10 @@ class Parts(NamedTuple):
     return_end: AnyEnd  # of line 6
     valve: Valve
     necks: Joined | Necks  # between cylinder lines and chambers
-    cylinder: Cylinder
-    seal: Seal
-    stops: Stops
-    load: Load
+    cylinder: Actuator
+    seal: Friction
+    stops: AnyStops
+    load: AnyLoad
     losses: Losses  # at the ends of the lines
     amplifiers: Amplifiers | Direct  # before the card
     line_volume: float  # of all lines [m^3]
@@ -98,7 +99,7 @@ class Ledger(NamedTuple):
 
     pumped: float  # drawn from the tank
     relieved: float  # returned by the relief valve
-    returned: float  # returned by line 6
+    returned: float  # returned by line 6, and lost by the actuator to the outside
 
 
 class Core(NamedTuple):
@@ -160,34 +161,28 @@ def return_side(ends: Ends, parts: Parts) -> float:
 
 
 @inlined
-def kick(piston: Piston, weight: Weight, p: Chambers, parts: Parts, time: float) -> tuple[Piston, Weight]:
+def kick(piston: Piston, weight: Weight, p: Chambers, parts: Parts, slots: Slots, time: float) -> tuple[Piston, Weight]:
     """Piston and weight after a time [s] under constant pressures: their speeds change, their places not yet."""
-    load = parts.load
-    mass, push = carried_mass(weight, load), contact_force(piston.position, weight, load)
-    force = drive(p, parts.cylinder) - mass * load.gravity + load.force - push
-    velocity = slide(piston.velocity, force, mass, abs(p.lower - p.upper), parts.seal, time)
-    kicked = kick_weight(weight, push, load, time)
-    return Piston(piston.position, stopped(piston.position, velocity, parts.stops)), kicked
+    x, before, load = piston.position, piston.velocity, parts.load
+    push = push_of(load, drive(p, x, parts.cylinder), x, before, weight, slots.load, time)
+    after = slide(parts.seal, before, push.force, push.mass, abs(p.lower - p.upper), slots.friction, time)
+    after = allowed_speed(parts.stops, x, after)
+    return Piston(x, after), kick_second(load, push, x, 0.5 * (before + after), weight, slots.load, time)
 
 
 @inlined
-def seal_force(s: Core, ends: Ends, parts: Parts) -> float:
-    """Force of the seals on the piston [N], upwards: against the motion; at rest what holds, up to its limit."""
-    p = Chambers(ends.pressure[LOWER], ends.pressure[UPPER])
-    sealing, v = abs(p.lower - p.upper), s.piston.velocity
-    if v != 0.0:
-        return -math.copysign(friction(v, sealing, parts.seal)[0], v)
-    load = parts.load
-    push = drive(p, parts.cylinder) - carried_mass(s.weight, load) * load.gravity + load.force
-    most = friction_limit(push, sealing, parts.seal)
-    return min(max(-push, -most), most)
+def seal_force(s: Core, ends: Ends, slots: Slots, parts: Parts) -> float:
+    """Friction on the piston [N], in its direction: against the motion; at rest what holds, up to its limit."""
+    p, x, v = Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), s.piston.position, s.piston.velocity
+    push = push_of(parts.load, drive(p, x, parts.cylinder), x, v, s.weight, slots.load, 0.0)
+    return friction_force(parts.seal, v, push.force + push.contact, abs(p.lower - p.upper), slots.friction)
 
 
 @inlined
-def move_piston(piston: Piston, weight: Weight, parts: Parts) -> tuple[Piston, Weight]:
-    """Piston and weight a step later at constant speeds."""
-    moved = Piston(*travel(piston.position, piston.velocity, parts.stops, parts.step))
-    return moved, move_weight(weight, moved.position, parts.load, parts.step)
+def move_piston(piston: Piston, weight: Weight, parts: Parts, slots: Slots) -> tuple[Piston, Weight]:
+    """Piston and weight a step later, under no force but the stops'."""
+    x, v, then = move_load(parts.load, piston.position, piston.velocity, weight, parts.stops, slots.load, parts.step)
+    return Piston(x, v), then
 
 
 @by_type
@@ -207,25 +202,29 @@ def _(necks: Necks, ends: Ends, slots: Slots) -> Chambers:
 
 
 @by_type
-def cylinder_side(necks: Any, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots) -> Chambers:
-    """Both chambers at the ends of their lines, the piston at its new place."""
+def cylinder_side(
+    necks: Any, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots
+) -> tuple[Chambers, float]:
+    """Both chambers at the ends of their lines, the piston at its new place, and oil lost to the outside [m^3]."""
     raise TypeError(f"{necks} are not what lies between lines and chambers")
 
 
 @cylinder_side.register
-def _(necks: Joined, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots) -> Chambers:
+def _(
+    necks: Joined, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots
+) -> tuple[Chambers, float]:
     before = Chambers(ends.pressure[LOWER], ends.pressure[UPPER])
     inflow = Chambers(-ends.flow[LOWER], -ends.flow[UPPER])
     lower = Port(ends.free[LOWER], ends.impedance[LOWER])
     upper = Port(ends.free[UPPER], ends.impedance[UPPER])
-    stored, p = fill_chambers(stored, before, inflow, lower, upper, piston.position, parts.cylinder, parts.step)
+    stored, p, lost = fill_chambers(stored, before, inflow, lower, upper, piston.position, parts.cylinder, parts.step)
     set_pressure(LOWER, p.lower, ends)
     set_pressure(UPPER, p.upper, ends)
-    return stored
+    return stored, lost
 
 
 @cylinder_side.register
-def _(necks: Necks, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots) -> Chambers:
+def _(necks: Necks, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, slots: Slots) -> tuple[Chambers, float]:
     h, oil, a, b = parts.step, parts.oil, slots.accessory_a, slots.accessory_b
     before, inflow = Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), Chambers(a[INFLOW], b[INFLOW])
     line_a, line_b = a[LINE], b[LINE]
@@ -234,13 +233,13 @@ def _(necks: Necks, stored: Chambers, piston: Piston, ends: Ends, parts: Parts, 
     neck_a, neck_b = cushioned(neck_a, neck_b, necks.cushion, piston.position)
     port_a, port_b = port_at(LOWER, ends, h), port_at(UPPER, ends, h)
     lower, upper = (port_a, neck_a), (port_b, neck_b)
-    stored, p, q = fill_behind_necks(
+    stored, p, q, lost = fill_behind_necks(
         stored, before, inflow, lower, upper, piston.position, parts.cylinder, oil, h
     )  # fmt: skip
     a[LINE], b[LINE] = deliver(LOWER, port_a, -q.lower, ends, parts), deliver(UPPER, port_b, -q.upper, ends, parts)
     a[INFLOW], b[INFLOW] = q.lower, q.upper
     ends.pressure[LOWER], ends.pressure[UPPER] = p.lower, p.upper
-    return stored
+    return stored, lost
 
 
 @inlined
@@ -257,23 +256,25 @@ def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, s
     """One step under a spool reference -1..1: `ends` and the memories of slots and lines change in place."""
     h, tick = parts.step, s.tick + 1.0
     given = delivered(parts.necks, ends, slots)
-    piston, weight = kick(s.piston, s.weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
-    piston, weight = move_piston(piston, weight, parts)
+    p = Chambers(ends.pressure[LOWER], ends.pressure[UPPER])
+    piston, weight = kick(s.piston, s.weight, p, parts, slots, 0.5 * h)
+    piston, weight = move_piston(piston, weight, parts, slots)
     spool = move_valve(parts.valve, s.spool, reference, slots.valve, h)
     arriving(bank, memory, int(tick), ends.free, ends.impedance)
     resist(parts.losses, ends.flow, ends.impedance)
     pumped = supply_side(tick, ends, parts, slots)
     relief, tee = relief_side(parts.relief_place, s.relief, s.tee, ends, parts, slots)
     valve_side(spool.position, ends, parts, slots)
-    chambers = cylinder_side(parts.necks, s.chambers, piston, ends, parts, slots)
+    chambers, lost = cylinder_side(parts.necks, s.chambers, piston, ends, parts, slots)
     returned = return_side(ends, parts)
     departing(bank, memory, int(tick), ends.flow)
     count_oil(ends.oil, ends.flow, given, delivered(parts.necks, ends, slots), h)
-    piston, weight = kick(piston, weight, Chambers(ends.pressure[LOWER], ends.pressure[UPPER]), parts, 0.5 * h)
-    velocity, weight = pick_up(piston.position, piston.velocity, weight, parts.load)
+    p = Chambers(ends.pressure[LOWER], ends.pressure[UPPER])
+    piston, weight = kick(piston, weight, p, parts, slots, 0.5 * h)
+    velocity, weight = join(parts.load, piston.position, piston.velocity, weight)
     ledger = Ledger(
         s.ledger.pumped + h * pumped,
         s.ledger.relieved + h * relief.flow,
-        s.ledger.returned - h * returned,
+        s.ledger.returned - h * returned + lost,
     )
     return Core(tick, Piston(piston.position, velocity), spool, weight, chambers, relief, tee, ledger)

@@ -8,9 +8,9 @@ speed cannot be had.
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.actuator import chamber_pressures, moduli
 from twin.circuit.state import ENDS_AT, MEMORY_AT, load
 from twin.circuit.step import LOWER, UPPER, Circuit
-from twin.cylinder import chamber_pressures
 from twin.kernel import interpreted
 from twin.lines import lumped, volume
 
@@ -27,7 +27,7 @@ def keep_oil(state: NDArray[np.float64], before: Circuit, after: Circuit) -> Non
         for line, place in zip(lines, places, strict=True):
             share = before.lines.capacity[line] / after.lines.capacity[line]
             state[MEMORY_AT + place + pressures_at] *= share
-    if after.parts.cylinder.bulk_modulus != before.parts.cylinder.bulk_modulus:
+    if interpreted(moduli)(after.parts.cylinder) != interpreted(moduli)(before.parts.cylinder):
         core = load(state)
         pressures = interpreted(chamber_pressures)(core.chambers, core.piston.position, after.parts.cylinder)
         state[ENDS_AT + LOWER], state[ENDS_AT + UPPER] = pressures

@@ -74,7 +74,10 @@ def loop_of(scenario: Scenario) -> Loop:
         raise ScenarioError(
             f"loop.delay {delay:g} s is more than {MOST_PERIODS} sampling periods of {period:g} s; lower it"
         )
-    drive = reduced(circuit)
+    try:
+        drive = reduced(circuit)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
     at = period * math.ceil(round(AT / period, 9))
     steps = 2.0**daq.bits if daq.quantise else math.inf
     card = Card(daq.position_range / steps, 2.0 * daq.velocity_range / steps, daq.noise, _output_step(scenario))

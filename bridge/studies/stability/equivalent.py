@@ -16,12 +16,14 @@ from bridge.scenario.controllers import Relay, WithGains
 from bridge.scenario.gains import scale_of
 from controller.stability.actuator.model import Drive
 from controller.stability.actuator.scaling import Numbers, SampledGains, to_numbers
+from twin.actuator import moduli
 from twin.circuit.equilibrium import supply_at_rest
+from twin.circuit.limits import held_oil_spring
 from twin.circuit.step import Circuit
+from twin.kernel import interpreted
+from twin.load_at_rest import rigid_mass
 from twin.orifice import flow
 from twin.servo_valve import ServoValve
-
-TO_A, TO_B = 2, 3  # lines between valve and cylinder
 
 
 class Scaled(NamedTuple):
@@ -45,12 +47,13 @@ def drive_of(scenario: Scenario, friction: float = 0.0) -> Drive:
     """The symmetric drive of the scenario's rig at its start."""
     circuit = circuit_of(scenario)
     parts, cylinder = circuit.parts, circuit.parts.cylinder
+    modulus = interpreted(moduli)(cylinder).lower
     area, supply = 0.5 * (cylinder.area_lower + cylinder.area_upper), supply_at_rest(circuit_of(_shut(scenario))).tee
     return Drive(
-        mass=parts.load.mass,
+        mass=rigid_mass(parts.load, scenario.start.position),
         area=area,
-        length=2.0 * area * cylinder.bulk_modulus / oil_spring(circuit, scenario.start.position),
-        modulus=cylinder.bulk_modulus,
+        length=2.0 * area * modulus / held_oil_spring(circuit, scenario.start.position),
+        modulus=modulus,
         supply=supply,
         relief=0.0,
         flow=_open_flow(circuit, supply),
@@ -62,15 +65,6 @@ def _shut(scenario: Scenario) -> Scenario:
     """The rig with a valve that is shut at rest: the centre of a switching one lets the pump run to the tank."""
     valve = scenario.rig.valve.model_copy(update={"kind": "proportional"})
     return scenario.model_copy(update={"rig": scenario.rig.model_copy(update={"valve": valve})})
-
-
-def oil_spring(circuit: Circuit, position: float) -> float:
-    """Stiffness [N/m] of the oil between shut valve and piston."""
-    c = circuit.parts.cylinder
-    hoses = [float(circuit.lines.capacity[line]) * circuit.parts.oil.bulk_modulus for line in (TO_A, TO_B)]
-    lower = c.dead_lower + c.area_lower * position + hoses[0]
-    upper = c.dead_upper + c.area_upper * (c.stroke - position) + hoses[1]
-    return c.bulk_modulus * (c.area_lower**2 / lower + c.area_upper**2 / upper)
 
 
 def _open_flow(circuit: Circuit, drop: float) -> float:

@@ -24,7 +24,9 @@ from twin.circuit.linear import (
 )
 from twin.circuit.state import State
 from twin.circuit.step import LOWER, UPPER, Circuit
-from twin.seal import friction_limit
+from twin.friction import largest_at_rest
+from twin.kernel import interpreted
+from twin.load_at_rest import inertia_at
 from twin.servo_valve import ServoValve
 
 POINTS = ("rest", "up", "down")
@@ -105,8 +107,9 @@ def _plant(name: str, point: State, edge: str | None, opening: float, scenario: 
     a = jacobian(to_vector(point), circuit, edge)
     linear = Plant(a, travel * entry, position, velocity)
     sealing = abs(point.ends.pressure[LOWER] - point.ends.pressure[UPPER])
-    friction = min(friction_limit(way, sealing, circuit.parts.seal) for way in (1.0, -1.0))
-    return RigPlant(name, linear, opening, circuit.parts.load.mass, float(friction))
+    friction = min(interpreted(largest_at_rest)(circuit.parts.seal, way, sealing) for way in (1.0, -1.0))
+    mass = inertia_at(circuit.parts.load, point.piston.position)
+    return RigPlant(name, linear, opening, mass, float(friction))
 
 
 def _row(state: str) -> np.ndarray:

@@ -10,18 +10,26 @@ a cavity.
 import cmath
 from typing import Any, NamedTuple
 
-from twin.cylinder import Chambers, Cylinder, chamber_pressures, drive
+from twin.actuator import Actuator, chamber_pressures, drive, outside
+from twin.contact import AnyStops, NoStops, Stops
+from twin.cylinder import Chambers
 from twin.directional_valve import Valve, land_orifice, lands_at
 from twin.fitting import Fitting, fitting_resistance
+from twin.friction import NoFriction, slide
 from twin.kernel import by_type, inlined
 from twin.lands import Lands, Ports, land_flows
+from twin.lever import Lever
+from twin.load import Load, Weight
+from twin.load_slot import HeldLoad, Push, move_load, push_of
 from twin.oil import Oil
 from twin.port import Port
-from twin.seal import Seal, slide
+from twin.seal import Seal
 from twin.spool_valve import SpoolValve, move_spool
+from twin.stribeck import Stribeck
 from twin.switching_valve import SwitchingValve, switch_spool
 
 PARTS = 5  # of a step, for the piston
+NO_WEIGHT, ENDLESS, NOTHING = Weight(0.0, 0.0, 0.0), NoStops(0.0), (0.0,)
 
 
 class Line(NamedTuple):
@@ -55,11 +63,11 @@ class Capacities(NamedTuple):
 class Drive(NamedTuple):
     """All numbers that a step reads."""
 
-    mass: float  # [kg]
-    weight: float  # [N], less the force from outside
+    load: Load | HeldLoad | Lever  # without a weight that joins
+    stops: AnyStops
     oil: Oil
-    cylinder: Cylinder  # its dead volumes include half of the hoses
-    seal: Seal
+    cylinder: Actuator  # its dead volumes include half of the hoses
+    seal: Seal | Stribeck | NoFriction
     valve: Valve
     supply: Supply
     fitting: Fitting  # in line 2
@@ -162,13 +170,66 @@ def _glide(
     h = step / PARTS
     for _ in range(PARTS):
         p = chamber_pressures(stored, x, d.cylinder)
-        v = slide(v, drive(p, d.cylinder) - d.weight, d.mass, abs(p.lower - p.upper), d.seal, h)
-        x += h * v
-        if x <= 0.0 or x >= d.cylinder.stroke:
-            x, v = min(max(x, 0.0), d.cylinder.stroke), 0.0
-        leak = d.cylinder.leakage * (p.lower - p.upper)
-        stored = Chambers(stored.lower + h * (q_3 - leak), stored.upper + h * (q_4 + leak))
+        push = _push(d.load, drive(p, x, d.cylinder), x, v, h)
+        v = slide(d.seal, v, push.force, push.mass, abs(p.lower - p.upper), NOTHING, h)
+        x, v = _travel(d.load, x, v, h)
+        x, v = _within(d.stops, x, v)
+        leak, out = d.cylinder.leakage * (p.lower - p.upper), outside(d.cylinder)
+        stored = Chambers(
+            stored.lower + h * (q_3 - leak - out.lower * p.lower), stored.upper + h * (q_4 + leak - out.upper * p.upper)
+        )
     return x, v, stored
+
+
+@by_type
+def _push(load: Any, oil: float, x: float, v: float, time: float) -> Push:
+    """What moves, and all forces on it but the friction."""
+    raise TypeError(f"{load} is not a load of a reduced drive")
+
+
+@_push.register
+def _(load: Load, oil: float, x: float, v: float, time: float) -> Push:
+    return Push(load.mass, oil - (load.mass * load.gravity - load.force), 0.0)
+
+
+@_push.register
+def _(load: HeldLoad | Lever, oil: float, x: float, v: float, time: float) -> Push:
+    return push_of(load, oil, x, v, NO_WEIGHT, NOTHING, time)
+
+
+@by_type
+def _travel(load: Any, x: float, v: float, time: float) -> tuple[float, float]:
+    """Position and velocity after a time without a force."""
+    raise TypeError(f"{load} is not a load of a reduced drive")
+
+
+@_travel.register
+def _(load: Load | HeldLoad, x: float, v: float, time: float) -> tuple[float, float]:
+    return x + time * v, v
+
+
+@_travel.register
+def _(load: Lever, x: float, v: float, time: float) -> tuple[float, float]:
+    x, v, _ = move_load(load, x, v, NO_WEIGHT, ENDLESS, NOTHING, time)
+    return x, v
+
+
+@by_type
+def _within(stops: Any, x: float, v: float) -> tuple[float, float]:
+    """Position and velocity between the stops."""
+    raise TypeError(f"{stops} are not stops")
+
+
+@_within.register
+def _(stops: Stops, x: float, v: float) -> tuple[float, float]:
+    if x <= 0.0 or x >= stops.stroke:
+        return min(max(x, 0.0), stops.stroke), 0.0
+    return x, v
+
+
+@_within.register
+def _(stops: NoStops, x: float, v: float) -> tuple[float, float]:
+    return x, v
 
 
 @inlined

@@ -4,8 +4,13 @@ import numpy as np
 
 from controller.stability.amplitude.drive import Capacities, Drive, DriveState, Line, Supply
 from controller.stability.amplitude.run import resting
+from twin.actuator import moduli
 from twin.circuit.equilibrium import supply_at_rest
-from twin.circuit.step import Circuit
+from twin.circuit.step import Circuit, Parts
+from twin.compliant import Compliant
+from twin.kernel import interpreted
+from twin.load import Load
+from twin.lugre import LuGre
 from twin.minor_losses import loss_at_end
 from twin.pump import Pump
 from twin.relief.slot import steady_relief
@@ -17,15 +22,16 @@ UNLIMITED = 1e12  # [Pa]
 
 
 def reduced(circuit: Circuit) -> Drive:
-    """The drive of a circuit."""
+    """The drive of a circuit. Raises ValueError for one whose load or friction has a state of its own."""
+    _refuse_states(circuit.parts)
     parts, lines = circuit.parts, circuit.lines
     half = 0.5 * lines.capacity
-    lower, upper = (float(c) * parts.oil.bulk_modulus for c in half[2:4])  # as a dead volume of the same capacity
-    cylinder = parts.cylinder
+    cylinder, b = parts.cylinder, interpreted(moduli)(parts.cylinder)
+    lower, upper = float(half[2]) * b.lower, float(half[3]) * b.upper  # as dead volumes of the same capacity
     meet = (lines.capacity[0] + half[1], half[1], half[2], half[3], half[4], half[4] + half[5])
     return Drive(
-        mass=parts.load.mass,
-        weight=parts.load.mass * parts.load.gravity - parts.load.force,
+        load=parts.load._replace(added=0.0) if isinstance(parts.load, Load) else parts.load,
+        stops=parts.stops,
         oil=parts.oil,
         cylinder=cylinder._replace(dead_lower=cylinder.dead_lower + lower, dead_upper=cylinder.dead_upper + upper),
         seal=parts.seal,
@@ -35,6 +41,13 @@ def reduced(circuit: Circuit) -> Drive:
         capacities=Capacities(*map(float, meet)),
         **{f"line_{number}": _line(number - 1, circuit) for number in range(2, 7)},
     )
+
+
+def _refuse_states(parts: Parts) -> None:
+    if isinstance(parts.load, Compliant):
+        raise ValueError("the reduced drive has one mass: take load.kind = 'environment' with the sum of both masses")
+    if isinstance(parts.seal, LuGre):
+        raise ValueError("the reduced drive has no bristles: take friction.kind = 'stribeck' with the same curve")
 
 
 def at_rest(d: Drive, circuit: Circuit, position: float, p_upper: float) -> DriveState:

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from controller.law import Sample
 from controller.stability.amplitude.drive import Drive, DriveState, Into, Pace, advance, pace_of
 from controller.stability.amplitude.linear_law import LinearLaw
-from twin.cylinder import Chambers, chamber_pressures
-from twin.kernel import inlined, kernel
+from twin.actuator import chamber_pressures, stored_oil
+from twin.circuit.equilibrium import holding_pressures
+from twin.kernel import inlined, interpreted, kernel
 
 COARSEST = 5e-4  # [s], a step
 ROW = 2.5e-3  # [s], between rows of a run at most
@@ -213,9 +214,7 @@ def _period(d, first, second, s, counts, numbers, card, rows):
 
 def resting(d: Drive, position: float, p_upper: float, supply: float) -> DriveState:
     """At rest at a position [m] with the valve shut, as a run starts; pressures [Pa] of the upper chamber, the tee."""
-    c = d.cylinder
-    p_lower = (d.weight + c.area_upper * p_upper) / c.area_lower
-    v_lower, v_upper = c.dead_lower + c.area_lower * position, c.dead_upper + c.area_upper * (c.stroke - position)
-    stored = Chambers(v_lower * (1.0 + p_lower / c.bulk_modulus), v_upper * (1.0 + p_upper / c.bulk_modulus))
+    p = holding_pressures(d.cylinder, d.load, position, p_upper)
+    stored = interpreted(stored_oil)(p, position, d.cylinder)
     nothing = Into(0.0, 0.0, 0.0, 0.0)
-    return DriveState(position, 0.0, 0.0, 0.0, stored, supply, supply, p_lower, p_upper, 0.0, 0.0, nothing, *[0.0] * 5)
+    return DriveState(position, 0.0, 0.0, 0.0, stored, supply, supply, *p, 0.0, 0.0, nothing, *[0.0] * 5)
