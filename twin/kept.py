@@ -56,6 +56,7 @@ KEPT: dict[str, dict[str, dict[str, Kept]]] = {  # section of the rig, its kind,
     "friction": {"lugre": {"deflection": _stretch("mean deflection of the bristles", 0)}},
     "load": {
         "compliant": {
+            "position": Kept(Sensor("m", "position_range", ", of the load behind its link")),
             "stretch": _stretch("stretch of the link, the load ahead", 0),
             "speed": Kept(Sensor("m/s", "velocity_range", ", of the load behind its link", signed=True), 1),
         }

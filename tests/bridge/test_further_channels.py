@@ -31,7 +31,7 @@ from twin import accumulator, compliant, counterbalance, lugre, pilot_check, var
 from twin.accessory import LINE
 from twin.circuit.block import compiled
 from twin.circuit.sensing import DERIVED, Sensing
-from twin.circuit.state import MEMORY_AT, unflatten
+from twin.circuit.state import MEMORY_AT, place_of, unflatten
 from twin.kept import FOLLOWS, KEPT, kept, sensors
 from twin.rig import RIG
 from twin.topology import CHANNELS, OBSERVED
@@ -111,13 +111,16 @@ def test_the_force_cell_shows_the_weight_at_rest_and_balances_the_oil_in_motion(
 
 def test_what_a_kind_keeps_is_read_from_its_slot():
     kinds = ("supply.kind=variable", "accumulator.kind=bladder", "accessory_a.kind=counterbalance")
-    own = [f"rig.{change}" for change in (*kinds, "accessory_b.kind=throttle", "relief.kind=none")]
+    kinds = (*kinds, "accessory_b.kind=throttle", "relief.kind=none", "friction.kind=lugre", "load.kind=compliant")
+    own = [f"rig.{change}" for change in kinds]
     rig, state = load("step", own).rig_values(), np.arange(float(MEMORY_AT))
     names, seen, taps = kept(rig), np.zeros(len(OBSERVED)), np.zeros((2, len(CHANNELS)))
     found = Sensing(names, compiled(circuit_of(load("step"))), rig).read(state, seen, taps)
     slots = unflatten(state).slots._asdict()
-    assert found.tolist() == [slots[slot][entry.number] for slot, entry in names.values()]
-    assert len(names) == 7
+    far = state[place_of("piston.position")] + slots["load"][compliant.STRETCH]
+    expected = [far if entry.number == FOLLOWS else slots[slot][entry.number] for slot, entry in names.values()]
+    assert found.tolist() == expected
+    assert len(names) == 11
 
 
 @pytest.mark.parametrize("section", KEPT)

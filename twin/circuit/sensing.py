@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit.block import Compiled
-from twin.circuit.state import SLOTS_AT, slots_of
-from twin.circuit.state import load as core_of
+from twin.circuit.state import SLOT_AT, place_of
+from twin.compliant import STRETCH
 from twin.environment import Environment
 from twin.kept import FOLLOWS, kept
 from twin.kernel import interpreted
+from twin.load import Weight
 from twin.load_slot import AnyLoad, rod_force
 from twin.table import Curve
 from twin.topology import CHANNELS, OBSERVED, SLOT, SLOTS
@@ -31,7 +32,11 @@ SPEED = [*CHANNELS].index("velocity")  # of the taps
 
 def _place(slot: str, number: int) -> int:
     """Where a kind's number stands in a flat state."""
-    return SLOTS_AT + SLOT * SLOTS.index(slot) + number
+    return SLOT_AT[SLOTS.index(slot)] + number
+
+
+POSITION_AT, LOAD_AT = place_of("piston.position"), _place("load", 0)
+WEIGHT_AT = [place_of(f"weight.{name}") for name in Weight._fields]
 
 
 class Moment(NamedTuple):
@@ -50,9 +55,14 @@ def acceleration(now: Moment) -> float:
 
 def force(now: Moment) -> float:
     """Of the rod on its load [N], in the positive direction."""
-    load, core = _as_load(now.parts["load"]), interpreted(core_of)(now.state)
-    place, memory = core.piston.position, interpreted(slots_of)(now.state).load
-    return interpreted(rod_force)(load, place, now.taps[1, SPEED], acceleration(now), core.weight, memory)
+    load, weight = _as_load(now.parts["load"]), Weight(*now.state[WEIGHT_AT].tolist())
+    place, memory = now.state[POSITION_AT], now.state[LOAD_AT : LOAD_AT + SLOT]
+    return interpreted(rod_force)(load, place, now.taps[1, SPEED], acceleration(now), weight, memory)
+
+
+def far_position(now: Moment) -> float:
+    """Of the load behind its link [m]."""
+    return now.state[POSITION_AT] + now.state[LOAD_AT + STRETCH]
 
 
 KINDS: dict[tuple[str, ...], Any] = {kind._fields: kind for kind in (*get_args(AnyLoad), Environment, Curve)}
@@ -67,6 +77,7 @@ def _as_load(record: Any) -> Any:
 DERIVED: dict[str, Callable[[Moment], float]] = {
     "force": force,
     "acceleration": acceleration,
+    "load_position": far_position,
 }
 
 
