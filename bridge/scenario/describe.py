@@ -129,7 +129,8 @@ def _servo_facts(valve: ServoValve, idle: float) -> list[Fact]:
 def _load_facts(circuit: Circuit) -> list[Fact]:
     stroke = circuit.parts.cylinder.stroke
     hertz = [natural_frequency(circuit, place * stroke) / (2.0 * math.pi) for place in (0.0, 0.5, 1.0)]
-    places = f"load on its oil, valve shut, at 0, {stroke * 500:.0f}, {stroke * 1e3:.0f} mm"
+    oil = "oil" if isinstance(circuit.parts.cylinder.air, NoAir) else "oil without air"
+    places = f"load on its {oil}, valve shut, at 0, {stroke * 500:.0f}, {stroke * 1e3:.0f} mm"
     return [Fact(places, ", ".join(f"{f:.4g}" for f in hertz) + " Hz")]
 
 

@@ -67,7 +67,8 @@ def test_oil_is_accounted_for_at_every_step(model: str, valve: str):
     assert seen["position"].min() == 0.0
     assert set(seen["mass"]) == {120.0, 303.0}
     assert seen["cavity_upper"].max() > 1e-6
-    assert max(seen[name].max() for name in ("cavity_t", "cavity_a", "cavity_b")) > 1e-7  # 1e-6 where oil has inertia
+    if model in MODELS[:3]:  # oil with inertia leaves the valve behind
+        assert max(seen[name].max() for name in ("cavity_t", "cavity_a", "cavity_b")) > 1e-6
     assert seen["oil_relieved"][-1] > 1e-5
     assert seen["oil_pumped"][-1] > 5e-4
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from tests.support.exact_line import HELD_FLOW, HELD_PRESSURE, HOSE, RAMP, Array, Complex, Pipe, drive, ramped, rms, run
 from twin.integration import integrate
@@ -50,14 +51,14 @@ def test_the_line_is_the_exact_one(creep: tuple[Creep, ...]):
         assert rms(elastic[:, end], right) > 0.05
 
 
-def cells(creep: tuple[Creep, ...], n: int, flow, times: Array) -> Array:
+def cells(creep: tuple[Creep, ...], n: int, flow, times: NDArray[np.floating]) -> Array:
     """End pressures over Z0 of a shut line of n cells with a laminar loss, each with a wall of its own, by scipy."""
-    from scipy.sparse import diags
+    from scipy.sparse import eye_array
 
     travel, loss = PIPE.travel_time / n, 8.0 / PIPE.viscous_time
-    fall = diags([np.ones(n - 1), -np.ones(n - 1)], [0, 1], shape=(n - 1, n)).tocsr()
+    fall = (eye_array(n - 1, n) - eye_array(n - 1, n, k=1)).tocsr()
 
-    def rates(t: float, y: Array) -> Array:
+    def rates(t: float, y: NDArray[np.floating]) -> NDArray[np.floating]:
         p, q, late = y[:n], y[n : 2 * n - 1], y[2 * n - 1 :].reshape(len(creep), n)
         rate = [(p - e) / w.time for e, w in zip(late, creep, strict=True)]
         inflow = -(fall.T @ q) / travel

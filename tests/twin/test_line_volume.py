@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from tests.support.exact_line import HELD_FLOW, HELD_PRESSURE, SOURCE, Array, at_rest, run
 from twin.integration import integrate
@@ -96,7 +97,7 @@ def rates_of(bank, creep: tuple[Creep, ...], flow, load: float):
     """One volume that a flow fills and a resistance empties, with a wall of its own states: stated apart."""
     c = float(bank.capacity[0])
 
-    def rates(t: float, y: Array) -> list[float]:
+    def rates(t: float, y: NDArray[np.floating]) -> list[float]:
         p, late = y[0], [(y[0] - e) / w.time for e, w in zip(y[1:], creep, strict=True)]
         taken = sum(c * w.share * rate for w, rate in zip(creep, late, strict=True))
         return [(flow(t) - p / load - taken) / c, *late]

@@ -164,7 +164,7 @@ def _on_oil(circuit: Circuit, position: float, hoses: tuple[float, float]) -> fl
 
 
 def held_oil_spring(circuit: Circuit, position: float) -> float:
-    """Stiffness [N/m] of the oil in chambers and cylinder lines, both ends of the valve shut."""
+    """Stiffness [N/m] of the oil in chambers and cylinder lines, the valve shut; without air in chambers."""
     return _on_oil(circuit, position, (float(circuit.lines.capacity[2]), float(circuit.lines.capacity[3])))
 
 

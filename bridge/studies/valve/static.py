@@ -11,7 +11,7 @@ from bridge.drawing.canvas import (
     sheet,
 )
 from twin.circuit.build import relief_sizes
-from twin.oil import Oil, kinematic_viscosity
+from twin.circuit.oil import oil_of
 from twin.relief.sensitivity import (
     Curve,
     Identified,
@@ -119,12 +119,6 @@ def draw(found: Static) -> tuple[Columns, Sheet]:
         "flow [m^3/s]": c.flow, "pressure [Pa]": c.pressure, "pilot lift [m]": c.pilot_lift,
         "spool lift [m]": c.spool_lift, "pilot flow [m^3/s]": c.pilot_flow,
     }, page  # fmt: skip
-
-
-def oil_of(rig: Values) -> Oil:
-    """The valve's oil; its modulus plays no part at rest."""
-    oil = rig["oil"]
-    return Oil(oil["density"], kinematic_viscosity(oil["temperature"]), 1e9, oil["vapour_pressure"])
 
 
 def valve_of(rig: Values, precompression: float) -> Relief:
