@@ -30,7 +30,7 @@ from tests.support.processes import LOOSE, run_recorded
 from twin import accumulator, compliant, counterbalance, lugre, pilot_check, variable_pump
 from twin.accessory import LINE
 from twin.circuit.block import compiled
-from twin.circuit.sensing import DERIVED, Sensing
+from twin.circuit.sensing import DERIVED, Sensing, as_load
 from twin.circuit.state import MEMORY_AT, place_of, unflatten
 from twin.kept import FOLLOWS, KEPT, kept, sensors
 from twin.rig import RIG
@@ -121,6 +121,14 @@ def test_what_a_kind_keeps_is_read_from_its_slot():
     expected = [far if entry.number == FOLLOWS else slots[slot][entry.number] for slot, entry in names.values()]
     assert found.tolist() == expected
     assert len(names) == 11
+
+
+@pytest.mark.parametrize("kind", RIG["load"]["kind"].options)
+def test_the_force_cell_knows_the_load_of_any_kind(kind: str):
+    """Off the record that changes while the plant runs, with all that is nested in it."""
+    circuit = circuit_of(load("step", [f"rig.load.kind={kind}"]))
+    record = compiled(circuit).parts[0]["load"]
+    assert as_load(record.dtype, record.item()) == circuit.parts.load
 
 
 @pytest.mark.parametrize("section", KEPT)

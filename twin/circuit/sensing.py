@@ -36,7 +36,7 @@ def _place(slot: str, number: int) -> int:
 
 
 POSITION_AT, LOAD_AT = place_of("piston.position"), _place("load", 0)
-WEIGHT_AT = [place_of(f"weight.{name}") for name in Weight._fields]
+WEIGHT_AT = np.array([place_of(f"weight.{name}") for name in Weight._fields])
 
 
 class Moment(NamedTuple):
@@ -55,7 +55,8 @@ def acceleration(now: Moment) -> float:
 
 def force(now: Moment) -> float:
     """Of the rod on its load [N], in the positive direction."""
-    load, weight = _as_load(now.parts["load"]), Weight(*now.state[WEIGHT_AT].tolist())
+    record = now.parts["load"]
+    load, weight = as_load(record.dtype, record.item()), Weight(*now.state[WEIGHT_AT].tolist())
     place, memory = now.state[POSITION_AT], now.state[LOAD_AT : LOAD_AT + SLOT]
     return interpreted(rod_force)(load, place, now.taps[1, SPEED], acceleration(now), weight, memory)
 
@@ -68,10 +69,10 @@ def far_position(now: Moment) -> float:
 KINDS: dict[tuple[str, ...], Any] = {kind._fields: kind for kind in (*get_args(AnyLoad), Environment, Curve)}
 
 
-def _as_load(record: Any) -> Any:
-    """A load as its own type again, of a record."""
-    entries = (record[name] for name in record.dtype.names)
-    return KINDS[record.dtype.names](*(_as_load(e) if e.dtype.names else float(e) for e in entries))
+def as_load(kind: Any, numbers: tuple[Any, ...]) -> Any:
+    """A load as its own type again, of a record's type and its numbers."""
+    entries = zip(kind.names, numbers, strict=True)
+    return KINDS[kind.names](*(as_load(kind[name], e) if isinstance(e, tuple) else e for name, e in entries))
 
 
 DERIVED: dict[str, Callable[[Moment], float]] = {
