@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from twin.accessory import Necks, between, resting_neck
+from twin.check_valve import cracking_drop
 from twin.circuit.equilibrium import line_drop, relieved_at
 from twin.circuit.step import Circuit
 from twin.counterbalance import Counterbalance
@@ -20,6 +21,7 @@ from twin.load_at_rest import moved_weight
 from twin.neck import steady_flow
 from twin.orifice import resistance
 from twin.pilot_check import PilotCheck
+from twin.return_end import steady_end
 from twin.supply import steady_supply
 
 HIGHEST = 1e9  # [Pa]
@@ -100,7 +102,8 @@ def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit
     q_driven, p_driven = a_driven * speed, 0.0
     for _ in range(3):
         tee = _tee(q_driven, circuit)
-        p_p = tee - fitting_resistance(q_driven, parts.fitting) * q_driven - line_drop(1, q_driven, circuit)
+        p_p = tee - cracking_drop(parts.check) - fitting_resistance(q_driven, parts.fitting) * q_driven
+        p_p -= line_drop(1, q_driven, circuit)
         p_b = p_p - _edge(q_driven, *resistance(to_driven, orifice, parts.oil))
         p_pilot = p_b - line_drop(into, q_driven, circuit)
         p_driven = p_pilot - drop_into(q_driven, "accessory_b" if lower else "accessory_a", circuit)
@@ -108,7 +111,7 @@ def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit
     weight = moved_weight(parts.load, position)
     p_held = ((weight if lower else -weight) + a_driven * p_driven) / a_held
     q_held = a_held * speed * (1.0 + p_held / b)
-    p_t = line_drop(4, q_held, circuit) + line_drop(5, q_held, circuit)
+    p_t = line_drop(4, q_held, circuit) + line_drop(5, q_held, circuit) + steady_end(parts.return_end, q_held, 0.0)
     p_a = p_t + _edge(q_held, *resistance(to_tank, orifice, parts.oil))
     p_line = p_a + line_drop(out_of, q_held, circuit)
     pressures = p_held, p_driven, p_line, p_pilot, p_a, p_b, p_p, p_t, tee

@@ -43,8 +43,9 @@ from twin.valve_body import Mass
 
 Array = NDArray[Any]
 OPEN_END = 1e3  # [m^3/(s Pa)], admittance of the tank
-STARTS = 2.0 * math.pi * np.concatenate([np.arange(0.5, 30.0, 0.5), np.arange(30.0, 300.0, 3.0)])  # [rad/s]
-HIGHEST = 2.0 * math.pi * 300.0  # [rad/s], of the oscillations looked for
+SPANS = ((0.5, 30.0, 0.5), (30.0, 300.0, 3.0), (300.0, 2000.0, 10.0))  # [Hz], from, to, spacing
+STARTS = 2.0 * math.pi * np.concatenate([np.arange(*span) for span in SPANS])  # [rad/s], of the search
+HIGHEST = 2.0 * math.pi * 2000.0  # [rad/s], of the oscillations looked for
 RATIOS = (0.0, 30.0)  # of the pilot, between which an edge is looked for
 
 
@@ -186,7 +187,7 @@ def _slope_into(at: Lowering, circuit: Circuit) -> float:
 
 
 def swings(at: Lowering, rig: Mapping[str, Any], circuit: Circuit, viscous: float = 0.0) -> list[Swing]:
-    """The oscillations below 300 Hz about a steady lowering, the fastest growing first; viscous: friction [N s/m]."""
+    """The oscillations below 2 kHz about a steady lowering, the fastest growing first; viscous: friction [N s/m]."""
     size = np.abs(_matrices(np.array([1j * STARTS[0]]), at, rig, circuit, viscous))[0].max(axis=1, keepdims=True)
     column = np.array([0.1, 1e5, 1e5, 1e-4, 1e5, 1e5])
     row = (size * column).max(axis=1, keepdims=True)
