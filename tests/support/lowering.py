@@ -1,6 +1,7 @@
 """A load lowered through a counterbalance valve: its small swings by linear theory and in the twin."""
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,6 @@ def grown(rig: dict[str, dict[str, Any]]) -> Swing:
     ]
     changed = (runs[1] - runs[0])[round(SETTLE / STEP / EVERY) :]
     turns = np.flatnonzero(np.diff(np.sign(changed)))
-    tops = [np.abs(changed[begin:end]).max() for begin, end in zip(turns[:-1], turns[1:], strict=True)]
+    tops = [np.abs(changed[begin:end]).max() for begin, end in pairwise(turns)]
     half = float(turns[-1] - turns[0]) * STEP * EVERY / (len(turns) - 1)
     return Swing(math.log(tops[-1] / tops[0]) / (half * (len(tops) - 1)), 0.5 / half)

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from twin.accessory import Necks, between, resting_neck
+from twin.actuator import areas
 from twin.check_valve import cracking_drop
 from twin.circuit.equilibrium import line_drop, relieved_at
 from twin.circuit.step import Circuit
 from twin.counterbalance import Counterbalance
-from twin.cylinder import Chambers
 from twin.directional_valve import land_orifice, lands_at
 from twin.fitting import fitting_resistance
 from twin.kernel import interpreted
@@ -94,8 +94,8 @@ def _excess(at: Lowering, circuit: Circuit) -> float:
 def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit) -> Lowering:
     """Pressures at a speed, whatever the valve would pass; oil expands and is compressed on its way."""
     parts, lower = circuit.parts, held == "accessory_a"
-    cylinder, b = parts.cylinder, parts.oil.bulk_modulus
-    a_held, a_driven = (cylinder.area_lower, cylinder.area_upper)[:: 1 if lower else -1]
+    b = parts.oil.bulk_modulus
+    a_held, a_driven = interpreted(areas)(parts.cylinder, position)[:: 1 if lower else -1]
     out_of, into = (2, 3) if lower else (3, 2)  # lines
     lands, orifice = interpreted(lands_at)(parts.valve, spool), land_orifice(parts.valve)
     to_driven, to_tank = (lands.p_b, lands.a_t) if lower else (lands.p_a, lands.b_t)
@@ -147,8 +147,3 @@ def drop_into(q: float, port: str, circuit: Circuit) -> float:
     while steady_flow(high, neck) < q:
         high *= 2.0
     return _root(lambda drop: steady_flow(drop, neck) - q, 0.0, high)
-
-
-def chambers(at: Lowering, held: float, driven: float) -> Chambers:
-    """A value of the held and of the driven chamber as of the lower and the upper one."""
-    return Chambers(held, driven) if at.held == "accessory_a" else Chambers(driven, held)

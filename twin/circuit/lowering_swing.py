@@ -20,11 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.accessory import between
-from twin.actuator import chamber_volumes
+from twin.actuator import areas, volumes
 from twin.circuit.lowering import Lowering, drop_into
 from twin.circuit.step import Circuit
 from twin.counterbalance import Counterbalance, opening_force
-from twin.cylinder import Chambers
 from twin.directional_valve import land_orifice, lands_at
 from twin.fitting import fitting_slope
 from twin.kernel import interpreted
@@ -114,8 +113,8 @@ class _Seen(NamedTuple):
 def _seen(s: Array, at: Lowering, rig: Mapping[str, Any], circuit: Circuit) -> _Seen:
     parts, lower = circuit.parts, at.held == "accessory_a"
     out_of, into = (2, 3) if lower else (3, 2)
-    areas, orifice = interpreted(lands_at)(parts.valve, at.spool), land_orifice(parts.valve)
-    to_driven, to_tank = (areas.p_b, areas.a_t) if lower else (areas.p_a, areas.b_t)
+    opened, orifice = interpreted(lands_at)(parts.valve, at.spool), land_orifice(parts.valve)
+    to_driven, to_tank = (opened.p_b, opened.a_t) if lower else (opened.p_a, opened.b_t)
     returning = line_seen(s, 4, line_seen(s, 5, OPEN_END, at.q_held, rig, circuit), at.q_held, rig, circuit)
     out = _behind(returning, to_tank, at.q_held, orifice, parts.oil)
     supplied = _behind(_supply(s, at, rig, circuit), to_driven, at.q_driven, orifice, parts.oil)
@@ -145,9 +144,9 @@ def _matrices(s: Array, at: Lowering, rig: Mapping[str, Any], circuit: Circuit, 
     """The equations of (W, P_h, P_d, X, P_line, P_pilot), at each s, each row to its own size."""
     parts, slopes, seen = circuit.parts, about(at, circuit), _seen(s, at, rig, circuit)
     valve, cylinder, b = getattr(between(parts.necks), at.held), parts.cylinder, parts.oil.bulk_modulus
-    volumes = interpreted(chamber_volumes)(at.position, cylinder)
-    areas = Chambers(cylinder.area_lower, cylinder.area_upper)
-    (a_h, a_d), (v_h, v_d) = (areas, volumes) if at.held == "accessory_a" else (areas[::-1], volumes[::-1])
+    order = 1 if at.held == "accessory_a" else -1
+    a_h, a_d = interpreted(areas)(cylinder, at.position)[::order]
+    v_h, v_d = interpreted(volumes)(cylinder, at.position)[::order]
     m = np.zeros((len(s), 6, 6), complex)
     around = surroundings(parts.load)
     m[:, 0, 0] = rigid_mass(parts.load, at.position) * s + viscous + around.viscous + around.stiffness / s
