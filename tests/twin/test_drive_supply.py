@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bridge.scenario.units import quantity
 from tests.support.plant import BAR, FRICTIONLESS, TIGHT, circuit, pipes, run, states
 from twin.accumulator import OIL, Accumulator, gas_energy
 from twin.circuit.block import observed
@@ -138,6 +139,11 @@ def test_slopes_by_hand_are_the_differences_of_the_rates():
         found[:, j] = (vector_rates(above, 0.3, c) - vector_rates(below, 0.3, c)) / (2.0 * width)
     scale = np.abs(found).max(axis=1, keepdims=True)
     assert np.abs(slopes - found)[:15].max(axis=1) == pytest.approx(np.zeros(15), abs=2e-5 * scale[:15].max())
+
+
+def test_a_leakage_is_written_as_people_read_it():
+    """1 l/min per 100 bar is 1/6 e-11 m^3/(s Pa)."""
+    assert quantity("0.01 l/(min bar)", "m^3/(s Pa)") == pytest.approx(1.0 / 6.0 * 1e-11, rel=1e-12)
 
 
 def test_what_cannot_be_is_said_in_one_line():
