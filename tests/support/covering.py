@@ -16,11 +16,13 @@ os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 import numpy as np
 
+from twin.accessory import INFLOW, LINE
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import State, flatten, oil_in, unflatten
-from twin.circuit.step import A, B, P, T, step_once
+from twin.circuit.step import BACK_5, BACK_6, LOWER, TEE_1, TEE_2, UPPER, A, B, P, T, step_once
 from twin.rig import values
+from twin.topology import RELIEF_END
 
 Kinds = dict[str, str]
 BAR = 1e5
@@ -133,7 +135,7 @@ class Outcome(NamedTuple):
     kinds: Kinds
     lowest: float  # pressure above that of vapour [Pa]
     lost: float  # oil that the books do not know, of what passed or is stored
-    created: float  # energy that the lands gave, of what was put through
+    created: float  # power that a part without a store gave, of the greatest that passed one
     drift: float  # of the piston under the valve at rest [m]
 
 
@@ -181,25 +183,44 @@ def numbers_of(kinds: Kinds, seed: int) -> dict[str, dict[str, Any]]:
 def outcome(kinds: Kinds, seed: int, steps: int, step: float) -> Outcome:
     """Run a drive from rest through all REFERENCES, a share of the steps each."""
     circuit = build(numbers_of(kinds, seed), step)
-    state = start = equilibrium(circuit, 0.1)
+    circuit = circuit._replace(parts=_as_compiled(circuit.parts))
+    start = equilibrium(circuit, 0.1)
+    state, stored = copied(start), oil_in(start)
     lowest, taken, turned, drift = math.inf, 0.0, 0.0, 0.0
     for reference in REFERENCES:
         for _ in range(steps // len(REFERENCES)):
-            core = step_once(
-                state.core, reference, circuit.parts, circuit.lines, state.ends, state.slots, state.memory
-            )
+            core = step_once(state.core, reference, circuit.parts, circuit.lines, state.ends, state.slots, state.memory)
             state = state._replace(core=core)
-            power = np.array([-state.ends.pressure[end] * state.ends.flow[end] for end in (P, A, B, T)])
             lowest = min(lowest, float(state.ends.pressure.min()) - circuit.parts.oil.vapour_pressure)
-            taken, turned = min(taken, float(power.sum())), turned + float(np.abs(power).sum())
+            for power in _powers(state, kinds):
+                taken, turned = min(taken, float(power.sum())), max(turned, float(np.abs(power).sum()))
         if reference == 0.0 and not drift:
             drift = abs(state.piston.position - start.piston.position)
     if not np.isfinite(flatten(state)).all():
         raise ArithmeticError(f"a number that is not finite: {kinds}")
     books = state.ledger.pumped - state.ledger.relieved - state.ledger.returned
     passed = state.ledger.pumped + abs(oil_in(state)) + circuit.parts.line_volume
-    lost = abs(oil_in(state) - oil_in(start) - books) / passed
+    lost = abs(oil_in(state) - stored - books) / passed
     return Outcome(kinds, lowest, lost, -taken / max(turned, 1e-9), drift)
+
+
+def _powers(state: State, kinds: Kinds) -> Iterator[np.ndarray]:
+    """Power [W] at the ends of each part that has no store of its own: their sum is what it turns into heat."""
+    at = -state.ends.pressure * state.ends.flow
+    if kinds["accumulator"] != "at P":
+        yield at[[P, A, B, T]]
+    if kinds["accumulator"] != "at the tee":
+        yield at[[TEE_1, TEE_2, RELIEF_END]]
+    yield at[[BACK_5, BACK_6]]
+    for end, memory in ((LOWER, state.slots.accessory_a), (UPPER, state.slots.accessory_b)):
+        yield memory[INFLOW] * np.array([memory[LINE], -state.ends.pressure[end]])
+
+
+def _as_compiled(parts: Any) -> Any:
+    """The same numbers, which divided by zero give infinity as in compiled code."""
+    if isinstance(parts, tuple):
+        return parts._make(map(_as_compiled, parts)) if hasattr(parts, "_make") else tuple(map(_as_compiled, parts))
+    return np.float64(parts) if isinstance(parts, float) else parts
 
 
 def outcomes(seed: int, share: slice, steps: int, step: float) -> Iterator[Outcome]:
