@@ -1,18 +1,16 @@
 """Random drives in which every pair of kinds meets: a pairwise covering sample, run by the interpreted step.
 
 Compiling one combination takes half a minute, so each drive runs a few hundred steps of the same source in Python.
-`python -m tests.support.covering SEED` prints the drives and the pairs that they cover.
+`python -m tests.support.covering SEED` prints the drives; with `--run STEPS` and NUMBA_DISABLE_JIT=1 it runs them.
 """
 
+import argparse
+import json
 import math
-import os
 import random
-import sys
 from collections.abc import Iterator
 from itertools import combinations
 from typing import Any, NamedTuple
-
-os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 import numpy as np
 
@@ -223,19 +221,29 @@ def _as_compiled(parts: Any) -> Any:
     return np.float64(parts) if isinstance(parts, float) else parts
 
 
-def outcomes(seed: int, share: slice, steps: int, step: float) -> Iterator[Outcome]:
-    """Those of a share of the covering sample."""
-    for kinds in covering(seed)[share]:
-        yield outcome(kinds, seed, steps, step)
-
-
 def copied(state: State) -> State:
     """A state of its own arrays."""
     return unflatten(flatten(state))
 
 
+def main() -> None:
+    """Print one line of JSON for each drive of a share of the sample, or the sample itself."""
+    asked = argparse.ArgumentParser(description="Random drives in which every pair of kinds meets.")
+    asked.add_argument("seed", type=int)
+    asked.add_argument("--run", type=int, default=0, help="Steps of each drive; 0 prints the sample")
+    asked.add_argument("--step", type=float, default=50e-6, help="[s]")
+    asked.add_argument("--share", default="0/1", help="Which of how many shares: 1/2 is the second half")
+    options = asked.parse_args()
+    sample, (which, of) = covering(options.seed), map(int, options.share.split("/"))
+    if not options.run:
+        for kinds in sample:
+            print("; ".join(f"{slot}: {kind}" for slot, kind in kinds.items()))
+        print(f"{len(sample)} drives cover {len(every_pair())} pairs")
+        return
+    for kinds in sample[which::of]:
+        print(json.dumps(outcome(kinds, options.seed, options.run, options.step)._asdict()), flush=True)
+
+
 if __name__ == "__main__":
-    sample = covering(int(sys.argv[1]))
-    for row in sample:
-        print("; ".join(f"{slot}: {kind}" for slot, kind in row.items()))
-    print(f"{len(sample)} drives cover {len(every_pair())} pairs")
+    with np.errstate(all="ignore"):
+        main()
