@@ -16,11 +16,11 @@ import numpy as np
 
 from twin.accessory import INFLOW, LINE
 from twin.circuit.build import build
+from twin.circuit.ends import BACK_5, BACK_6, LOWER, RELIEF_END, TEE_1, TEE_2, UPPER, A, B, P, T
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import State, flatten, oil_in, unflatten
-from twin.circuit.step import BACK_5, BACK_6, LOWER, TEE_1, TEE_2, UPPER, A, B, P, T, step_once
+from twin.circuit.step import step_once
 from twin.rig import values
-from twin.topology import RELIEF_END
 
 Kinds = dict[str, str]
 BAR = 1e5
