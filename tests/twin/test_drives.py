@@ -41,7 +41,7 @@ def test_the_sample_covers_every_pair_of_kinds():
 
 @pytest.mark.parametrize("share", range(SHARES))
 def test_random_drives_keep_oil_and_energy(share: int):
-    for found in outcomes(1, 200, f"{share}/{SHARES}", "100e-6" if share else "50e-6"):
+    for found in outcomes(1, 120, f"{share}/{SHARES}", "100e-6" if share else "50e-6"):
         hold(found)
 
 
