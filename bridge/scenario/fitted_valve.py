@@ -2,7 +2,6 @@
 
 from typing import TYPE_CHECKING
 
-from bridge.errors import ScenarioError
 from twin.rig_servo import LANDS
 
 if TYPE_CHECKING:
@@ -18,15 +17,6 @@ def overlap_of(scenario: "Scenario") -> float:
     servo = scenario.rig.servo_valve
     bands = (max(getattr(servo, f"overlap_{land}") for land in lands) for lands in SIDES)
     return max(0.0, min(bands))
-
-
-def refuse_servo(scenario: "Scenario") -> None:
-    """Raises ScenarioError where a theory needs a valve that is shut in the middle and opens two lands at a time."""
-    if scenario.rig.valve.kind == "servo":
-        raise ScenarioError(
-            "rig.valve.kind 'servo': the reduced loop knows only a valve whose lands open two at a time; "
-            "take `hydrotwin map` or `hydrotwin linearise`, or set rig.valve.kind = 'proportional'"
-        )
 
 
 def power_off_of(scenario: "Scenario") -> float:

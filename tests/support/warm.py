@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-
 DRIVES = ("ehla", "press", "crane", "test-cylinder", "motor")  # built-in, each with kinds of its own
 
 

@@ -27,6 +27,7 @@ from bridge.studies.stability.relay_lead import critical_lead, needed_lead, rela
 from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins_of, named, timing_of
 from bridge.studies.stability.rig_plant import RigPlant, plants
 from bridge.studies.stability.sampled_law import FreeGain, free_gain
+from bridge.studies.stability.twin_loop import uncovered
 from controller.law import volts_per_percent
 from controller.reference import evaluate
 from controller.stability import Margins
@@ -252,8 +253,13 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
         rows=tuple(RowAdvice(_free(r.gain, free), r.swinging, r.peak_to_peak, r.frequency) for r in found.rows),
         points=points,
         suggested=_suggestion(scenario, sizes, found, free),
-        notes=(*notes_on(scenario, free), *left_out),
+        notes=(*notes_on(scenario, free), *_runs_of_the_twin(scenario), *left_out),
     )
+
+
+def _runs_of_the_twin(scenario: Scenario) -> list[str]:
+    beyond = uncovered(scenario)
+    return [f"by runs of the twin, one noise each: the reduced drive leaves out {', '.join(beyond)}"] if beyond else []
 
 
 def _suggestion(scenario: Scenario, sizes: Sequence[float], found: SwingRange, free: FreeGain) -> Suggestion:

@@ -16,23 +16,25 @@ import numpy as np
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
-from bridge.scenario.fitted_valve import refuse_servo
 from bridge.studies.stability.sampled_law import free_gain, law_of
+from bridge.studies.stability.twin_loop import TwinLoop, twin_loop, uncovered
 from controller.stability.amplitude.edges import (
     ROUGH,
+    SCAN,
     SEEDS,
     Edge,
     Interval,
     Loop,
-    edge,
+    Scan,
     lasting,
     nearer,
+    smallest_swinging,
     spanned,
-    swing,
 )
+from controller.stability.amplitude.edges import swing as reduced_swing
 from controller.stability.amplitude.reduce import at_rest, reduced
 from controller.stability.amplitude.run import MOST_PERIODS, Card, Course
-from controller.stability.amplitude.swing import WIDE, Swing
+from controller.stability.amplitude.swing import LARGEST, WIDE, Swing
 
 ASKED = (2e-3, 20e-3, 60e-3)  # [m], steps in both directions, unless others are asked for
 FURTHER = (5e-3, 120e-3)  # [m], that also count among all motions
@@ -41,7 +43,8 @@ ROUGHLY = 1.15  # beyond the edges of a single noise
 AT = 1.0  # [s], of the step
 QUIET, IN_A_ROW = 1.6, 3  # between gains on the way down, until so many settle: louder ones may, above those that swing
 LEAST = 1e-2  # of the scenario's own gain: no quieter gain is looked for
-ROWS = 9  # of the picture
+ROWS, TWIN_ROWS = 9, 4  # of the picture, and where runs of the twin draw it
+TWIN_SCAN = ROUGH._replace(ratio=1.6, tolerance=1.06, back=0.6)  # where each run is one of the twin
 THREADS = 2
 
 
@@ -64,9 +67,28 @@ class SwingRange(NamedTuple):
     rows: tuple[PictureRow, ...]
 
 
+def any_loop(scenario: Scenario) -> Loop | TwinLoop:
+    """The reduced loop, or runs of the twin where the reduced drive leaves something out. Raises ScenarioError."""
+    return twin_loop(scenario) if uncovered(scenario) else loop_of(scenario)
+
+
+def swing(loop: Loop | TwinLoop, gain: float, size: float, seed: int = SEEDS[0]) -> Swing:
+    """The last third after a step of a size [m] at a gain, with one noise of the card."""
+    return loop.swing(gain, size, seed) if isinstance(loop, TwinLoop) else reduced_swing(loop, gain, size, seed)
+
+
+def edge(
+    loop: Loop | TwinLoop, size: float, seed: int, first: float, scan: Scan = SCAN, largest: float = LARGEST
+) -> Edge:
+    """The smallest gain that swings with one noise, searched from a gain `first`; largest: as in `swing_range`."""
+    scan = TWIN_SCAN if isinstance(loop, TwinLoop) else scan
+    return smallest_swinging(lambda gain: swing(loop, gain, size, seed), first, scan, largest)
+
+
 def loop_of(scenario: Scenario) -> Loop:
-    """The reduced loop. Raises ScenarioError where there is none."""
-    refuse_servo(scenario)
+    """The reduced loop. Raises ScenarioError where there is none, or where the drive has more than it covers."""
+    if left_out := uncovered(scenario):
+        raise ScenarioError(f"{left_out[0]}: the reduced drive leaves it out; `hydrotwin advise` runs the twin instead")
     circuit = circuit_of(scenario)
     timing, daq = scenario.loop, scenario.daq
     period, delay = timing.sample_period, timing.delay
@@ -105,9 +127,11 @@ def both_ways(scenario: Scenario, sizes: Iterable[float]) -> list[float]:
 
 def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, seeds: Sequence[int] = SEEDS) -> SwingRange:
     """Which gains settle after which steps [m]. Raises ScenarioError where there is no answer."""
-    loop, own = loop_of(scenario), free_gain(scenario).own
+    loop, own = any_loop(scenario), free_gain(scenario).own
     asked = both_ways(scenario, sizes)
-    further = [size for size in both_ways(scenario, (*ASKED, *FURTHER)) if size not in asked]
+    if isinstance(loop, TwinLoop):
+        seeds = ()
+    further = [size for size in both_ways(scenario, (*ASKED, *FURTHER)) if size not in asked and seeds]
     if not asked:
         raise ScenarioError(
             f"no step of {', '.join(f'{abs(s) * 1e3:g}' for s in sizes)} mm fits into the stroke from "
@@ -115,7 +139,7 @@ def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, seeds: Seque
         )
     first = quiet_gain(loop, [*asked, *further], own)
     sizes = [*asked, *further]
-    starts = dict(zip(sizes, threaded(lambda size: edge(loop, size, seeds[0], first, ROUGH), sizes), strict=True))
+    starts = dict(zip(sizes, threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), sizes), strict=True))
     jobs = [(s, nearer(e, first), n) for s, e in starts.items() for n in _noises(e, s in asked, seeds)]
     found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[2], job[1]), jobs), strict=True))
     by_size = {s: spanned(s, [e for job, e in found if job[0] == s] or [starts[s]]) for s in sizes}
@@ -134,12 +158,12 @@ def _noises(start: Edge, is_asked: bool, seeds: Sequence[int]) -> Sequence[int]:
 
 def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[float, Swing]]:
     """What a law without a gain does after steps [m] of these sizes, both ways."""
-    loop = loop_of(scenario)
+    loop = any_loop(scenario)
     steps = both_ways(scenario, sizes)
     return list(zip(steps, threaded(lambda size: swing(loop, 1.0, size), steps), strict=True))
 
 
-def wide_gain(loop: Loop, sizes: Sequence[float], first: float) -> float:
+def wide_gain(loop: Loop | TwinLoop, sizes: Sequence[float], first: float) -> float:
     """Below which gain no step of these sizes [m] leaves a swing of more than WIDE; searched from `first` upwards.
 
     inf where none does, as where `first` is: no gain swings at all.
@@ -153,7 +177,7 @@ def wide_gain(loop: Loop, sizes: Sequence[float], first: float) -> float:
 def wide_gain_later(scenario: Scenario, sizes: Sequence[float], first: float) -> float:
     """The same with one more sampling period of delay."""
     times = {"delay": scenario.loop.delay + scenario.loop.sample_period}
-    loop = loop_of(scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)}))
+    loop = any_loop(scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)}))
     return wide_gain(loop, both_ways(scenario, sizes), first)
 
 
@@ -161,7 +185,7 @@ def range_over(scenario: Scenario, period: float, own: float, size: float) -> tu
     """Below which gain a step of a size [m] settles, and swings by at most WIDE, with another sampling period [s]."""
     times = {"sample_period": period, "command_timeout": max(scenario.loop.command_timeout, 2.0 * period)}
     changed = scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)})
-    loop, sizes = loop_of(changed), both_ways(scenario, (size,))
+    loop, sizes = any_loop(changed), both_ways(scenario, (size,))
     first = quiet_gain(loop, sizes, own)
     found = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), sizes)
     return min(e.swings for e in found) / ROUGHLY, wide_gain(loop, sizes, first)
@@ -169,12 +193,12 @@ def range_over(scenario: Scenario, period: float, own: float, size: float) -> tu
 
 def hunting(scenario: Scenario, sizes: Sequence[float], gain: float) -> float:
     """Peak to peak [m], the largest after steps of these sizes [m], at a gain."""
-    loop = loop_of(scenario)
+    loop = any_loop(scenario)
     found = threaded(lambda size: swing(loop, gain, size), both_ways(scenario, sizes))
     return max(s.peak_to_peak for s in found)
 
 
-def quiet_gain(loop: Loop, sizes: Sequence[float], own: float) -> float:
+def quiet_gain(loop: Loop | TwinLoop, sizes: Sequence[float], own: float) -> float:
     """A gain that settles after all these steps, as do IN_A_ROW gains from it on, each QUIET times the last."""
     gain, quiet = own, 0
     while gain > LEAST * own:
@@ -185,12 +209,14 @@ def quiet_gain(loop: Loop, sizes: Sequence[float], own: float) -> float:
     return gain
 
 
-def picture(loop: Loop, sizes: Sequence[float], low: float, high: float, own: float) -> list[PictureRow]:
+def picture(loop: Loop | TwinLoop, sizes: Sequence[float], low: float, high: float, own: float) -> list[PictureRow]:
     """Amplitude and frequency over the gain."""
     if not math.isfinite(low):
         return []
     top = high if math.isfinite(high) else 4.0 * low
-    gains = sorted({*np.geomspace(0.8 * low, 1.25 * top, ROWS).tolist(), own})
+    gains = sorted(
+        {*np.geomspace(0.8 * low, 1.25 * top, TWIN_ROWS if isinstance(loop, TwinLoop) else ROWS).tolist(), own}
+    )
     jobs = [(gain, size) for gain in gains for size in sizes]
     swings = threaded(lambda job: swing(loop, *job), jobs)
     return [_row(gain, sizes, [s for (g, _), s in zip(jobs, swings, strict=True) if g == gain]) for gain in gains]
