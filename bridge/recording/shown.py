@@ -6,8 +6,9 @@ One table for the report, the view and the picture of a run; a further channel o
 
 from typing import NamedTuple
 
+from bridge.scenario.fitted import Values, of_drive
 from bridge.scenario.units import shown
-from twin.topology import CHAMBERS, CHANNELS, OBSERVED, PLACES, PRESSURES, TANK, TAPS, cavity
+from twin.topology import CHAMBERS, CHANNELS, OBSERVED, PIPES, PLACES, PRESSURES, TANK, TAPS, cavity
 
 ORDER = ("red", "blue", "orange", "green", "violet", "grey")  # of curves that have no colour of their own
 SEEN_ELSEWHERE = ("position", "velocity", *PRESSURES)  # channels with a picture, or the slope of one
@@ -47,6 +48,14 @@ def place_words(place: str) -> str:
 def tap_words(channel: str) -> str:
     """A channel with what it is: "p2 lower chamber"."""
     return f"{channel} {CHANNELS[channel].words}"
+
+
+def line_ends(values: Values) -> tuple[tuple[str, str], ...]:
+    """The places at both ends of each line, for people, in the words of a drive."""
+    return tuple(
+        (of_drive(place_words(pipe.first), values), of_drive(place_words(pipe.second), values))
+        for pipe in PIPES.values()
+    )
 
 
 PLACE_COLOURS = {

@@ -10,6 +10,7 @@ from bridge.recording.changes import changes, mark
 from bridge.recording.shown import GROUPS, MEASURED, Curve, Group
 from bridge.report.subject import Run
 from bridge.report.thin import thinned
+from bridge.scenario.fitted import kind_of, of_drive, positive_words
 from twin.topology import CAVITIES
 
 RUNS = tuple(LIGHT[name] for name in ("blue", "orange", "green", "violet", "red", "grey"))  # one per run, in an overlay
@@ -28,6 +29,11 @@ class Chart(NamedTuple):
         """What is drawn in it."""
         return GROUPS[self.name]
 
+    def caption(self, run: Run) -> str:
+        """What to see in it, in the words of the run's drive."""
+        values = run.scenario.rig_values()
+        return of_drive(self.reads, values).replace("positive lifts", f"positive {positive_words(values)}")
+
     @property
     def title(self) -> str:
         """Its heading."""
@@ -36,6 +42,10 @@ class Chart(NamedTuple):
 
 def _cavities(run: Run) -> bool:
     return any(np.max(run.state[name]) > LEAST_CAVITY for name in CAVITIES if name in run.state)
+
+
+def _two_stages(run: Run) -> bool:
+    return kind_of(run.scenario.rig_values(), "relief valve") == "two-stage"
 
 
 CHARTS = (
@@ -47,7 +57,7 @@ CHARTS = (
     *(Chart(name, "True values of what the card measures.") for name in MEASURED),
     Chart("valve", "Command in force and where the spool is; positive lifts."),
     Chart("flow", "What the pump delivers, what the relief valve takes, what reaches the cylinder."),
-    Chart("relief", "Lifts from their seats."),
+    Chart("relief", "Lifts from their seats.", _two_stages),
     Chart("cavities", "Where the oil cannot follow, it leaves vapour.", _cavities),
 )
 
@@ -67,7 +77,7 @@ def _single(group: Group, run: Run) -> Any:
             run.time, run.reference * group.scale, color=LIGHT["grey"], linestyle="--", linewidth=1.2, label="reference"
         )
     for line in group.curves:
-        _plot(axis, run, line, group.scale, line.label, LIGHT[line.colour])
+        _plot(axis, run, line, group.scale, _words(line, run), LIGHT[line.colour])
     mark(axis, changes(run.recording))
     finish(axis, group.axis, run.time[-1])
     return figure
@@ -78,9 +88,14 @@ def _overlay(group: Group, runs: Sequence[Run], names: Sequence[str]) -> Any:
     for axis, line in zip(axes, group.curves, strict=True):
         for run, name, colour in zip(runs, names, RUNS, strict=False):
             _plot(axis, run, line, group.scale, name, colour)
-        axis.set_title(line.label, fontsize=9, loc="left")
+        axis.set_title(_words(line, runs[0]), fontsize=9, loc="left")
         finish(axis, group.axis, max(run.time[-1] for run in runs), last=axis is axes[-1])
     return figure
+
+
+def _words(line: Curve, run: Run) -> str:
+    """Its label, in the words of the run's drive."""
+    return of_drive(line.label, run.scenario.rig_values())
 
 
 def _plot(axis: Any, run: Run, line: Curve, scale: float, label: str, colour: str) -> None:

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from bridge.drawing.colours import LIGHT, STOPS
+from bridge.recording.shown import line_ends
 from bridge.report.charts import RUNS, canvas
 from bridge.report.subject import Run
-from bridge.view.rig.stage import LINE_ENDS
 from twin.topology import LINES, PIPES
 
 MOST_COLUMNS = 1200
@@ -22,6 +22,7 @@ def draw_maps(run: Run) -> Any:
     time, pressure = run.along()
     figure, axes = canvas(LINES, 1.05)
     values, norm, colours = run.scenario.rig_values(), *_scale()
+    ends = line_ends(values)
     for pipe, (name, axis) in enumerate(zip(PIPES, axes, strict=True)):
         length = values[name]["length"]
         step = max(1, -(-len(time) // MOST_COLUMNS))
@@ -31,7 +32,7 @@ def draw_maps(run: Run) -> Any:
         )
         axis.grid(visible=False)
         axis.set_ylabel(f"pipe {pipe + 1} [m]", fontsize=8)
-        axis.set_title(f"{LINE_ENDS[pipe][0]} (0 m) to {LINE_ENDS[pipe][1]} ({length:g} m)", fontsize=8, loc="left")
+        axis.set_title(f"{ends[pipe][0]} (0 m) to {ends[pipe][1]} ({length:g} m)", fontsize=8, loc="left")
         if axis is not axes[-1]:
             axis.tick_params(labelbottom=False)
     axes[-1].set_xlabel("time [s]", fontsize=9)

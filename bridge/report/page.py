@@ -9,6 +9,7 @@ from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.maps import draw_maps, draw_timing
 from bridge.report.own_signals import draw_own, own_charts
 from bridge.report.sections import (
+    circuit,
     differences,
     events,
     head,
@@ -68,7 +69,7 @@ def page(runs: list[Run]) -> str:
         _timing(runs, names),
         events(runs, names),
     ]
-    body += [parameters(runs, names), scenarios(runs, names), origin(runs, names)]
+    body += [circuit(runs, names), parameters(runs, names), scenarios(runs, names), origin(runs, names)]
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -87,7 +88,7 @@ def figure(drawn: object, name: str, title: str, caption: str) -> str:
 
 def _charts(runs: list[Run], names: list[str]) -> str:
     shown = [chart for chart in CHARTS if any(chart.shown(run) for run in runs)]
-    drawn = [figure(draw_chart(chart, runs, names), chart.name, chart.title, chart.reads) for chart in shown]
+    drawn = [figure(draw_chart(chart, runs, names), chart.name, chart.title, chart.caption(runs[0])) for chart in shown]
     own = [
         figure(draw_own(chart, runs, names), f"signals{i}", chart.title, chart.kind.caption)
         for i, chart in enumerate(own_charts(runs), 1)

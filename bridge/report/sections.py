@@ -2,13 +2,15 @@
 
 from itertools import groupby
 
-from bridge.drawing.html import table, text
+from bridge.drawing.html import svg, table, text
+from bridge.figures.circuit.rig import draw_drive
 from bridge.recording.told import events_of
 from bridge.recording.words import sentence
 from bridge.report.charts import RUNS
 from bridge.report.difference import metric_rows, parameter_rows, scenario_rows, signal_differences
 from bridge.report.subject import Run
-from bridge.scenario.describe import values_of
+from bridge.scenario.circuit import circuit_of
+from bridge.scenario.describe import Value, shown_values, slots_of
 
 MOST_EVENTS = 200  # in the table; the rest are counted
 
@@ -97,22 +99,43 @@ def events(runs: list[Run], names: list[str]) -> str:
     return f"<section id='events'><h2>Events</h2>{table(heads, rows, 'numbers')}{more}</section>\n"
 
 
-def parameters(runs: list[Run], names: list[str]) -> str:
-    """Every number of the rig with its source; of the first run where they are the same in all."""
-    parts = ["<section id='parameters'><h2>Parameters of the rig</h2>"]
-    alike = all(values_of(run.scenario) == values_of(runs[0].scenario) for run in runs)
-    for run, name in list(zip(runs, names, strict=True))[: 1 if alike else None]:
+def circuit(runs: list[Run], names: list[str]) -> str:
+    """What is fitted, as a picture and slot by slot; of the first run where all have the same."""
+    parts = ["<section id='circuit'><h2>Circuit</h2>"]
+    slots = [slots_of(run.scenario) for run in runs]
+    alike = all(found == slots[0] for found in slots)
+    for run, name, found in list(zip(runs, names, slots, strict=True))[: 1 if alike else None]:
         if not alike:
             parts.append(f"<p><b>{text(name)}</b></p>")
-        rows = []
-        for part, values in groupby(values_of(run.scenario), key=lambda value: value.name.partition(".")[0]):
-            for i, value in enumerate(values):
-                words = text(value.name.partition(".")[2].replace("_", " "))
-                mark = "<b>*</b> " if value.changed else ""
-                first = f"<b>{text(part.replace('_', ' '))}</b>" if i == 0 else ""
-                rows.append((first, words, mark + text(value.value), text(value.source)))
-        parts.append(table(("part", "value", "", "source"), rows, "parameters"))
+        drawn = draw_drive(run.scenario.rig_values(), circuit_of(run.scenario))
+        parts.append(f"<figure>{svg(drawn, f'circuit{len(parts)}', f'Circuit of {name}')}</figure>")
+        parts.append(
+            table(("slot", "what is fitted"), [(text(slot), text(words)) for slot, words, _ in found], "fitted")
+        )
+    return "".join(parts) + "</section>\n"
+
+
+def parameters(runs: list[Run], names: list[str]) -> str:
+    """The numbers of what is fitted, with their sources; of the first run where they are the same in all."""
+    parts = ["<section id='parameters'><h2>Parameters of the rig</h2>"]
+    found = [shown_values(run.scenario) for run in runs]
+    alike = all(values == found[0] for values in found)
+    for values, name in list(zip(found, names, strict=True))[: 1 if alike else None]:
+        if not alike:
+            parts.append(f"<p><b>{text(name)}</b></p>")
+        parts.append(table(("part", "value", "", "source"), _value_rows(values), "parameters"))
     return "".join(parts) + "<p class='soft'>* changed by the scenario</p></section>\n"
+
+
+def _value_rows(found: list[Value]) -> list[tuple[str, ...]]:
+    rows = []
+    for part, values in groupby(found, key=lambda value: value.name.partition(".")[0]):
+        for i, value in enumerate(values):
+            words = text(value.name.partition(".")[2].replace("_", " "))
+            mark = ("<b>*</b> " if value.changed else "") + ("" if value.fitted else "(not fitted) ")
+            first = f"<b>{text(part.replace('_', ' '))}</b>" if i == 0 else ""
+            rows.append((first, words, mark + text(value.value), text(value.source)))
+    return rows
 
 
 def scenarios(runs: list[Run], names: list[str]) -> str:

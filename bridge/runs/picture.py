@@ -14,6 +14,7 @@ from bridge.recording.columns import followed, relief_moved, vapour
 from bridge.recording.reader import Recording
 from bridge.recording.shown import GROUPS, MEASURED
 from bridge.scenario import Scenario
+from bridge.scenario.fitted import of_drive
 from controller.grid import NS
 
 Row = Callable[[Any, Any, Any, Scenario], None]  # axis, time, state, scenario
@@ -61,30 +62,32 @@ def _position(axis: Any, time: Any, state: Any, scenario: Scenario) -> None:
     if np.isfinite(state["followed"]).any():
         scale = GROUPS["position"].scale
         axis.plot(time, state["followed"] * scale, color="0.4", linestyle="--", linewidth=1.2, label="reference")
-    _curves(axis, time, state, "position")
+    _curves(axis, time, state, "position", scenario)
 
 
-def _pressures(axis: Any, time: Any, state: Any, _: Scenario) -> None:
-    _curves(axis, time, state, "pressure")
+def _pressures(axis: Any, time: Any, state: Any, scenario: Scenario) -> None:
+    _curves(axis, time, state, "pressure", scenario)
 
 
 def _measured(name: str) -> Row:
-    return lambda axis, time, state, _: _curves(axis, time, state, name)
+    return lambda axis, time, state, scenario: _curves(axis, time, state, name, scenario)
 
 
-def _curves(axis: Any, time: Any, state: Any, name: str) -> None:
+def _curves(axis: Any, time: Any, state: Any, name: str, scenario: Scenario) -> None:
     """The signals of a group."""
-    group = GROUPS[name]
+    group, rig = GROUPS[name], scenario.rig_values()
     for curve in group.curves:
         style = "steps-post" if curve.held else "default"
         values = state[curve.field] * group.scale
-        axis.plot(time, values, color=LIGHT[curve.colour], linewidth=1.0, label=curve.label, drawstyle=style)
+        axis.plot(
+            time, values, color=LIGHT[curve.colour], linewidth=1.0, label=of_drive(curve.label, rig), drawstyle=style
+        )
     axis.set_ylabel(group.axis)
     axis.legend(loc="best", fontsize="small", ncols=3)
 
 
-def _valve(axis: Any, time: Any, state: Any, _: Scenario) -> None:
-    _curves(axis, time, state, "valve")
+def _valve(axis: Any, time: Any, state: Any, scenario: Scenario) -> None:
+    _curves(axis, time, state, "valve", scenario)
     axis.set_ylim(-1.05, 1.05)
 
 

@@ -249,6 +249,23 @@ def chamber_names(values: Values) -> dict[str, str]:
     return {"lower": "lower chamber", "upper": "upper chamber"}
 
 
+def of_drive(label: str, values: Values) -> str:
+    """A label of the thesis's rig in the words of a drive: "p2 lower chamber" may be "p2 chamber A"."""
+    for words, own in _own_words(values).items():
+        label = label.replace(words, own)
+    return label
+
+
+def _own_words(values: Values) -> dict[str, str]:
+    names = chamber_names(values)
+    own = {"lower chamber": names["lower"], "upper chamber": names["upper"]}
+    if not names["lower"].startswith("lower"):
+        own = {"the lower chamber": names["lower"], "the upper chamber": names["upper"]} | own
+    own |= {"piston": "shaft", "Piston": "Shaft"} if is_motor(values) else {}
+    own |= {"pump": "supply"} if kind_of(values, "supply") == "pressure" else {}
+    return own | ({"p1 relief valve": "p1 tee"} if kind_of(values, "relief valve") == "none" else {})
+
+
 def chamber_words(values: Values) -> dict[str, str]:
     """Chamber -> its side: "rod side: it lifts" of the lower one."""
     if is_motor(values):

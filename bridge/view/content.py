@@ -11,16 +11,18 @@ from bridge.errors import UsageError
 from bridge.recording.changes import changes
 from bridge.recording.frames import Frames, frames
 from bridge.recording.reader import Recording
-from bridge.recording.shown import GROUPS
+from bridge.recording.shown import GROUPS, line_ends
 from bridge.recording.told import events_of
 from bridge.recording.words import run_in_words
 from bridge.scenario import Scenario
+from bridge.scenario.fitted import of_drive
 from bridge.view import length_time
 from bridge.view.curves import CURVES, Curve, chosen_in, draw, span
 from bridge.view.layout import EVENTS, RUN, layout
+from bridge.view.rig.eyes import EYES, Eyes, eyes_of
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
-from bridge.view.rig.stage import LINE_ENDS, Stage, stage
+from bridge.view.rig.stage import Stage, stage
 from bridge.view.timeline import time_column
 from bridge.wire.messages import EventKind
 from controller.grid import NS
@@ -51,7 +53,7 @@ def send(stream: Any, recording: Recording, bare: bool = False) -> None:
     shown = {drawn.curve.picture for drawn in curves}
     own = chosen_in(recording)
     spans = {name: span(curves, name) for name in shown}
-    stream.send_blueprint(layout(shown, spans, bare=bare, own=own.titles))
+    stream.send_blueprint(layout(shown, spans, bare=bare, own=own.titles, eyes=_eyes(recording)))
     begin(stream, recording)
     style(stream, own.curves)
     for curve, stamps, values in curves:
@@ -68,9 +70,17 @@ def begin(stream: Any, recording: Recording) -> None:
     import rerun as rr
 
     stream.send_recording_name(_title(recording))
-    style(stream, CURVES)
+    style(stream, _named(CURVES, recording))
     text = rr.TextDocument(run_in_words(recording), media_type=rr.MediaType.MARKDOWN)
     stream.log(RUN, text, static=True)
+
+
+def _named(curves: Iterable[Curve], recording: Recording) -> Iterable[Curve]:
+    """Curves in the words of the drive."""
+    if "run" not in recording.metadata:
+        return curves
+    values = recording.scenario().rig_values()
+    return [curve._replace(label=of_drive(curve.label, values)) for curve in curves]
 
 
 def style(stream: Any, curves: Iterable[Curve]) -> None:
@@ -129,10 +139,14 @@ def _send_rig(stream: Any, recording: Recording) -> None:
         _send_map(stream, pipe, scene, shown)
 
 
+def _eyes(recording: Recording) -> Eyes:
+    return eyes_of(scene_of(recording.scenario())) if "run" in recording.metadata else EYES
+
+
 def _send_map(stream: Any, pipe: int, scene: Stage, shown: Frames) -> None:
     first, last = length_time.seconds(shown.stamps)
     length = scene.pipes[pipe].length
-    length_time.frame(stream, pipe, length, first, last, "simulated time [s]", LINE_ENDS[pipe])
+    length_time.frame(stream, pipe, length, first, last, "simulated time [s]", line_ends(scene.values)[pipe])
     length_time.draw(stream, pipe, shown.pressure[:, pipe])
     length_time.cursor(stream, pipe, shown.stamps)
 

@@ -6,6 +6,7 @@ from typing import Any
 from bridge.drawing.colours import UNKNOWN
 from bridge.view.curves import PICTURES
 from bridge.view.length_time import HEIGHT, WIDTH, entity
+from bridge.view.rig.eyes import EYES, Eye, Eyes
 from bridge.view.timeline import TIMELINE
 from twin.topology import LINES
 
@@ -14,26 +15,30 @@ EVENTS, RUN = "events", "run"
 FIRST = ("position_mm", "pressure_bar", "valve", "flow_l_min")  # always in sight
 SHARES = (3.0, 4.0, 2.5, 3.0, 3.0)  # of the height; the last of what is behind tabs
 CHOSEN_PIPE = 2  # in sight first: from the valve to the lower chamber
-CYLINDER = ("cylinder", "piston", "oil", "weight", "rails", "frame", "cavities", "pipes", "taps")  # parts seen near
-EYES = {  # position and target [m]
-    "rig": ((0.98, -2.7, 1.2), (0.98, 0.0, 0.8)),
-    "cylinder": ((0.42, -0.8, 1.3), (0.06, 0.0, 1.04)),
-    "valves": ((1.0, -0.42, 1.08), (0.88, 0.0, 0.92)),
-}
+CYLINDER = (  # parts seen near
+    *("cylinder", "piston", "oil", "weight", "rails", "frame", "cavities", "pipes", "taps"),
+    *("accessories", "spring", "lever"),
+)
 
 
 def layout(
-    shown: Collection[str], spans: Spans, follow: float = 0.0, bare: bool = False, own: Mapping[str, str] = {}
+    shown: Collection[str],
+    spans: Spans,
+    follow: float = 0.0,
+    bare: bool = False,
+    own: Mapping[str, str] = {},
+    eyes: Eyes = EYES,
 ) -> Any:
     """The blueprint for the pictures that have a curve; axes hold `spans` where given.
 
     own: further pictures and their titles, of what a law logs.
 
     follow: live, so many seconds [s] up to the latest data; bare: without the viewer's own panels, to be printed.
+    eyes: from where the rig is seen.
     """
     import rerun.blueprint as rrb
 
-    left = rrb.Vertical(_rig(), _maps(), rrb.Tabs(_events(), _run()), row_shares=[5.5, 2.7, 1.8])
+    left = rrb.Vertical(_rig(eyes), _maps(), rrb.Tabs(_events(), _run()), row_shares=[5.5, 2.7, 1.8])
     first = [name for name in FIRST if name in shown]
     titles = {**own, **PICTURES}
     behind = [_picture(name, titles, spans, follow) for name in titles if name in shown and name not in FIRST]
@@ -45,21 +50,21 @@ def layout(
     return rrb.Blueprint(rrb.Horizontal(left, right, column_shares=[5.6, 4.4]), *panels, collapse_panels=True)
 
 
-def _rig() -> Any:
+def _rig(eyes: Eyes) -> Any:
     """The whole rig, and beside it the cylinder and the valves from near."""
     import rerun.blueprint as rrb
 
     near = [f"/rig/{part}/**" for part in CYLINDER]
-    whole = _space("rig", "rig: pipes to scale, coloured by pressure [bar]", ["/rig/**"])
-    cylinder = _space("cylinder", "cylinder and load", near)
-    valves = _space("valves", "valve", ["/rig/valves/**", "/rig/pipes", "/rig/cavities"])
+    whole = _space(eyes["rig"], "rig: pipes to scale, coloured by pressure [bar]", ["/rig/**"])
+    cylinder = _space(eyes["cylinder"], "cylinder and load", near)
+    valves = _space(eyes["valves"], "valve", ["/rig/valves/**", "/rig/pipes", "/rig/cavities"])
     return rrb.Horizontal(whole, rrb.Vertical(cylinder, valves, row_shares=[2, 1]), column_shares=[2.2, 1])
 
 
-def _space(eye: str, name: str, contents: list[str]) -> Any:
+def _space(eye: Eye, name: str, contents: list[str]) -> Any:
     import rerun.blueprint as rrb
 
-    position, target = EYES[eye]
+    position, target = eye
     return rrb.Spatial3DView(
         origin="/rig",
         contents=contents,

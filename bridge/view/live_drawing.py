@@ -9,15 +9,16 @@ import numpy as np
 from bridge.recording.frames import Frames, frames
 from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Entry, Recording, recording
+from bridge.recording.shown import line_ends
 from bridge.scenario.channels import layout_of
 from bridge.view import length_time
 from bridge.view.content import begin, scene_of, send_curve, send_events, style
 from bridge.view.curves import CURVES, LIVE, chosen, samples
 from bridge.view.inbox import WATCHED
 from bridge.view.layout import layout
+from bridge.view.rig.eyes import eyes_of
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
-from bridge.view.rig.stage import LINE_ENDS
 from bridge.wire.messages import EventKind, Mode
 from controller.grid import NS
 
@@ -52,7 +53,7 @@ class Drawing:
         self._make_room()
         stand(self.stream, self._scene)
         for pipe, described in enumerate(self._scene.pipes):
-            ends = LINE_ENDS[pipe]
+            ends = line_ends(self._scene.values)[pipe]
             length_time.frame(self.stream, pipe, described.length, -SPAN, 0.0, "time before now [s]", ends)
 
     def add(self, entries: list[Entry]) -> None:
@@ -81,7 +82,8 @@ class Drawing:
         """Lay the pictures out; of what the law logs the first of its messages says what there is."""
         style(self.stream, self._own.curves)
         shown, titles = self._pictures | set(self._own.titles), self._own.titles
-        self.stream.send_blueprint(layout(shown, LIVE, follow=SPAN, bare=self._bare, own=titles))
+        eyes = eyes_of(self._scene)
+        self.stream.send_blueprint(layout(shown, LIVE, follow=SPAN, bare=self._bare, own=titles, eyes=eyes))
 
     def _draw_rig(self, entries: list[Entry]) -> None:
         """Frames need a profile and the state of its tick, which may have come with the batch before."""

@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from bridge.scenario.fitted import SLOTS, chamber_names, chamber_words, fitted, rod_words
+from bridge.recording.shown import line_ends
+from bridge.scenario.fitted import SLOTS, chamber_names, chamber_words, fitted, of_drive, rod_words
 from bridge.scenario.in_force import KIND_READS, PIPE_READS, in_force
 from bridge.scenario.text_picture import text_picture
 from twin.quantity import Choice
@@ -129,6 +130,16 @@ def test_words_of_the_cylinder_follow_its_rod_and_its_angle(rod_at, degrees, rod
     assert chamber_words(rig)["lower"] == lower
     assert chamber_names(rig)["lower"] == name
     assert f"{name} ({lower})" in text_picture(rig)
+
+
+def test_labels_of_signals_are_in_the_words_of_the_drive():
+    labels = "p2 lower chamber", "to the upper chamber", "piston", "pump", "p1 relief valve"
+    assert [of_drive(label, values()) for label in labels] == list(labels)
+    press = drive(cylinder={"rod_at": "b", "angle": -0.5 * math.pi}, relief={"kind": "none"})
+    assert [of_drive(label, press) for label in labels] == ["p2 chamber A", "to chamber B", "piston", "pump", "p1 tee"]
+    motor = drive(actuator={"kind": "motor"}, supply={"kind": "pressure"})
+    assert [of_drive(label, motor) for label in labels[2:4]] == ["shaft", "supply"]
+    assert line_ends(press)[2] == ("port A", "chamber A, p2")
 
 
 def test_a_motor_has_neither_rod_nor_cushions():

@@ -15,7 +15,7 @@ from bridge.report.thin import thinned
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.scenario.bands import METRICS, value_with_unit
-from bridge.scenario.describe import values_of
+from bridge.scenario.describe import shown_values, slots_of
 
 SHORT = ["duration=1.6"]
 FETCHING = {"src", "href", "xlink:href", "data", "action", "srcset", "poster"}
@@ -100,7 +100,7 @@ def test_ids_are_one_of_a_kind_so_that_pictures_do_not_mix(single):
 def test_all_sections_are_there_in_order(single):
     assert single[2].sections == [
         *("metrics", "position", "pressure", "valve", "flow", "relief", "cavities", "map1"),
-        *("events", "parameters", "scenario", "origin"),
+        *("events", "circuit", "parameters", "scenario", "origin"),
     ]
 
 
@@ -125,10 +125,17 @@ def test_metrics_and_bands_are_those_of_the_run(single):
 def test_every_parameter_stands_with_its_source_and_changes_are_marked(single):
     run, _, parsed = single
     cells = [row[1:] for row in parsed.rows if len(row) == 4]
-    for value in values_of(run.scenario):
+    for value in shown_values(run.scenario):
         mark = "* " if value.changed else ""
         assert [value.name.partition(".")[2].replace("_", " "), mark + value.value, value.source] in cells
-    assert any(value.changed for value in values_of(run.scenario))
+    assert any(value.changed for value in shown_values(run.scenario))
+
+
+def test_what_is_fitted_stands_as_a_picture_and_slot_by_slot(single):
+    run, _, parsed = single
+    assert {"relief valve, two stages", "line 3: hose, 2.05 m", "183 kg on a support:"} <= set(parsed.words)
+    for slot, words, _ in slots_of(run.scenario):
+        assert [slot, words] in parsed.rows
 
 
 def test_events_stand_with_their_time(single):

@@ -12,8 +12,9 @@ from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.view.content import scene_of, write
 from bridge.view.length_time import marks, picture
+from bridge.view.rig.axis import BARREL_AT
 from bridge.view.rig.routes import length_of, route, segments
-from bridge.view.rig.stage import BARREL_AT, CAVITY_SCALE, ball_radius
+from bridge.view.rig.stage import CAVITY_SCALE, ball_radius
 
 SCENARIO = ("load-change", ["duration=1.3"])
 

@@ -1,4 +1,4 @@
-"""The circuit as a picture, from the rig's own numbers: lengths, wave speeds and settings are read, not typed.
+"""The circuit of a drive as a picture: what is fitted, with lengths, wave speeds and settings read from its numbers.
 
 Symbols follow ISO 1219 where it has one. The weight that waits on its support is that of the load-change scenario.
 """
@@ -14,6 +14,7 @@ from bridge.drawing.canvas import (
     Sheet,
     drawing,
 )
+from bridge.figures.circuit.kinds import METAL, ROD, beside, held, motor
 from bridge.figures.circuit.symbols import (
     INK,
     OIL,
@@ -33,15 +34,18 @@ from bridge.figures.circuit.symbols import (
     thin,
 )
 from bridge.scenario import load
+from bridge.scenario.fitted import Values, has_relief_line, is_motor, kind_of, positive_words, rod_at, rod_words
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium, supply_at_rest
 from twin.circuit.step import Circuit
 from twin.pump import pump_flow
-from twin.rig import RUBBER, values
+from twin.rig import values
 from twin.topology import ENDS, LINES
 
 STEP = 50e-6  # [s]
-DARK_HOSE, METAL, ACCENT, BLUSH = "#a85a10", "#8a97a5", "#b3261e", "#fdecea"
+DARK_HOSE, ACCENT, BLUSH = "#a85a10", "#b3261e", "#fdecea"
+LOW, TOP, RODS_ROOM = 0.35, 9.67, 1.5  # of the sheet; what a rod upwards needs
+VALVES = {"proportional": "proportional\nor switching", "switching": "switching", "servo": "servo valve"}
 ROUTES: tuple[Points, ...] = (  # of the six lines, in the direction of flow when the piston lifts
     ((1.3, 2.75), (1.3, 3.7), (3.9, 3.7)),
     ((3.9, 3.7), (8.9, 3.7), (8.9, 4.8)),
@@ -62,11 +66,16 @@ class LineData(NamedTuple):
     length: float  # [m]
     speed: float  # a [m/s]
     hose: bool
+    model: str = "ends"
 
     @property
     def words(self) -> str:
         """Kind, length, wave speed and travel time."""
+        if self.model == "none":
+            return f"{self.number}: manifold"
         kind, travel = "hose" if self.hose else "steel", 1e3 * self.length / self.speed
+        if self.model == "volume":
+            return f"line {self.number}: {kind}, {self.length:g} m\nas a volume"
         return f"line {self.number}: {kind}, {self.length:g} m\n{self.speed:.0f} m/s, {travel:.2f} ms"
 
 
@@ -75,14 +84,14 @@ def rig_circuit() -> Circuit:
     return build(values(), STEP)
 
 
-def line_data() -> list[LineData]:
-    """The six lines, from the rig and from what was built of it."""
-    rig, circuit = values(), rig_circuit()
+def line_data(rig: Values | None = None, circuit: Circuit | None = None) -> list[LineData]:
+    """The six lines, from a rig and from what was built of it."""
+    rig, circuit = rig or values(), circuit or rig_circuit()
     found = []
     for number in range(1, LINES + 1):
         entries = rig[f"pipe_{number}"]
-        speed = entries["length"] / float(circuit.lines.travel_time[number - 1])
-        found.append(LineData(number, entries["length"], speed, entries["young"] == RUBBER.value))
+        speed = entries["length"] / max(float(circuit.lines.travel_time[number - 1]), 1e-9)
+        found.append(LineData(number, entries["length"], speed, entries["young"] < 1e10, entries["model"]))
     return found
 
 
@@ -103,76 +112,123 @@ def circuit_columns() -> Columns:
 
 
 def draw_circuit() -> tuple[Columns, Sheet]:
-    """The whole picture."""
-    page, axes = drawing(11.4, 6.25, (0.2, 17.2, 0.35, 9.67))
-    for line, route, at in zip(line_data(), ROUTES, LABELS, strict=True):
-        pipe(axes, route, line.hose)
-        text(axes, *at, line.words, colour=DARK_HOSE if line.hose else STEEL)
+    """The whole picture of the rig."""
+    rig = values() | {"load": load("load-change").rig_values()["load"]}
+    return circuit_columns(), draw_drive(rig, rig_circuit())
+
+
+def draw_drive(rig: Values, circuit: Circuit) -> Sheet:
+    """The picture of a drive, of its values and the circuit that is built of them."""
+    top = TOP + (0.0 if is_motor(rig) or rod_at(rig) == "a" else RODS_ROOM)
+    page, axes = drawing(11.4, 6.25 * (top - LOW) / (TOP - LOW), (0.2, 17.2, LOW, top))
+    for line, route, at in zip(line_data(rig, circuit), ROUTES, LABELS, strict=True):
+        pipe(axes, route, line.hose and line.model != "none")
+        text(axes, *at, line.words, colour=DARK_HOSE if line.hose and line.model != "none" else STEEL)
     for (x, y), mark in zip(HEADS, MARKS, strict=True):
         axes.plot([x], [y], mark, color=INK, markersize=7.0, zorder=5)
-    _pump(axes)
-    _relief_valve(axes)
-    fittings(axes)
-    directional_valve(axes)
-    _cylinder(axes)
-    _weight(axes)
+    _pump(axes, rig, circuit)
+    _relief_valve(axes, rig)
+    fittings(axes, *(rig[name]["drop"] > 0.0 for name in ("filter", "two_position_valve")))
+    directional_valve(axes, VALVES[kind_of(rig, "directional valve")], _moves(rig))
+    beside(axes, rig)
+    if is_motor(rig):
+        motor(axes, rig)
+    else:
+        _cylinder(axes, rig)
+    if rig["load"]["added"] > 0.0 and rod_at(rig) == "a":
+        _weight(axes, rig)
     tank(axes, 13.3, 1.0)
     dot(axes, 11.1, 2.2)
     text(axes, 11.1, 2.55, "return tee")
     _taps(axes)
-    _key(axes)
-    return circuit_columns(), page
+    _key(axes, rig, circuit)
+    return page
 
 
-def _pump(axes: Axes) -> None:
+def _moves(rig: Values) -> tuple[str, str]:
+    """What both ends of the valve's travel do."""
+    word = positive_words(rig)
+    return {"lifts": ("lowers", "lifts"), "lowers": ("lifts", "lowers")}.get(word, ("B", "A"))
+
+
+def _pump(axes: Axes, rig: Values, circuit: Circuit) -> None:
     """Suction from the tank, the pump, its speed and flow."""
-    rig, circuit = values(), rig_circuit()
-    at = rig["pump"]["efficiency_pressure"]
-    flow = 6e4 * pump_flow(at, 1.0, circuit.parts.supply)
     tank(axes, 1.3, 1.0)
     thin(axes, (1.3, 0.8), (1.3, 1.75))
     circle(axes, 1.3, 2.25, 0.5)
     shape(axes, ((1.1, 2.45), (1.5, 2.45), (1.3, 2.75)), INK)
-    words = f"gear pump\n{60.0 * rig['pump']['speed']:.0f} rpm\n{flow:.1f} l/min\nat {1e-5 * at:.0f} bar"
-    text(axes, 1.95, 2.25, words, ha="left", size=8.5)
+    if kind_of(rig, "supply") == "variable":
+        arrow(axes, (0.75, 1.8), (1.85, 2.7))
+    text(axes, 1.95, 2.25, _supply_words(rig, circuit), ha="left", size=8.5)
 
 
-def _relief_valve(axes: Axes) -> None:
-    """Two stages: the main seat, and the pilot that opens it; set for all of the pump's flow."""
-    x, setting = 3.9, 1e-5 * values()["relief"]["setting"]
+def _supply_words(rig: Values, circuit: Circuit) -> str:
+    kind = kind_of(rig, "supply")
+    if kind == "pressure":
+        return f"constant\npressure\n{1e-5 * rig['pressure_source']['pressure']:.0f} bar"
+    if kind != "gear":
+        own = rig[f"{kind}_pump"]
+        volume, speed = f"{1e6 * own['displacement']:.3g} cm³", f"{60.0 * own['speed']:.0f} rpm"
+        cut = f"\ncut-off {1e-5 * own['cut_off']:.0f} bar" if kind == "variable" else ""
+        return f"{kind} pump\n{volume}\n{speed}{cut}"
+    at = rig["pump"]["efficiency_pressure"]
+    flow = 6e4 * pump_flow(at, 1.0, circuit.parts.supply)
+    return f"gear pump\n{60.0 * rig['pump']['speed']:.0f} rpm\n{flow:.1f} l/min\nat {1e-5 * at:.0f} bar"
+
+
+def _relief_valve(axes: Axes, rig: Values) -> None:
+    """Main seat and the pilot that opens it, set for all of the pump's flow; a direct-operated one has its spring."""
+    if (kind := kind_of(rig, "relief valve")) != "none":
+        _relief_body(axes, rig, kind)
+    dot(axes, 3.9, 3.7)
+
+
+def _relief_body(axes: Axes, rig: Values, kind: str) -> None:
+    x = 3.9
     thin(axes, (x, 3.7), (x, 2.65))
     box(axes, x - 0.4, 1.85, 0.8, 0.8)
     arrow(axes, (x - 0.12, 2.6), (x - 0.12, 1.9))
     thin(axes, (x, 1.85), (x, 0.8))
     tank(axes, x, 1.0)
     thin(axes, (x, 3.05), (x - 0.75, 3.05), (x - 0.75, 2.25), (x - 0.4, 2.25), dashed=True, width=1.1)
-    box(axes, x + 0.4, 2.03, 0.42, 0.44)
-    shape(axes, ((x + 0.74, 2.1), (x + 0.74, 2.4), (x + 0.46, 2.25)), INK)
-    spring(axes, x + 0.82, 2.25, 0.55)
-    arrow(axes, (x + 0.92, 1.98), (x + 1.3, 2.56))
-    text(axes, x + 0.6, 1.45, f"relief valve, two stages\nset to {setting:.0f} bar", ha="left", size=8.5)
-    dot(axes, x, 3.7)
+    pilot = 0.42 if kind == "two-stage" else 0.0
+    if pilot:
+        box(axes, x + 0.4, 2.03, pilot, 0.44)
+        shape(axes, ((x + 0.74, 2.1), (x + 0.74, 2.4), (x + 0.46, 2.25)), INK)
+    spring(axes, x + 0.4 + pilot, 2.25, 0.55)
+    arrow(axes, (x + 0.5 + pilot, 1.98), (x + 0.88 + pilot, 2.56))
+    if kind == "two-stage":
+        words = f"relief valve, two stages\nset to {1e-5 * rig['relief']['setting']:.0f} bar"
+    else:
+        words = f"relief valve, direct\nopens at {1e-5 * rig['direct_relief']['cracking_pressure']:.0f} bar"
+    text(axes, x + 0.6, 1.45, words, ha="left", size=8.5)
+    if has_relief_line(rig):
+        text(axes, x + 0.15, 3.2, f"line 7: {rig['pipe_7']['length']:g} m", ha="left", size=8.5, colour=STEEL)
 
 
-def _cylinder(axes: Axes) -> None:
-    """Barrel, piston, rod, and the load on it."""
-    rig = values()
+def _cylinder(axes: Axes, rig: Values) -> None:
+    """Barrel, piston, rods, and the load; the lower chamber below, whatever the axis of the drive."""
     bore, rod, stroke = (1e3 * rig["cylinder"][name] for name in ("bore", "rod", "stroke"))
     box(axes, 12.55, 6.1, 1.5, 2.8, OIL)
     box(axes, 12.55, 7.2, 1.5, 0.32, METAL)
-    box(axes, 13.1, 3.55, 0.4, 3.65, "#c9d1d9")
-    box(axes, 12.5, 2.95, 1.6, 0.6, METAL)
-    text(axes, 13.3, 3.25, f"{rig['load']['mass']:.0f} kg", colour="white", size=10.0)
+    below, above = rod_at(rig) in ("a", "both"), rod_at(rig) in ("b", "both")
+    if below:
+        box(axes, 13.1, 3.55, 0.4, 3.65, ROD)
+    if above:
+        box(axes, 13.1, 7.52, 0.4, 2.68, ROD)
+    held(axes, rig, 10.2 if above else 2.95)
     words = f"cylinder, in mm:\nbore {bore:.0f}, rod {rod:.0f},\nstroke {stroke:.0f}"
+    if not (below and not above and rod_words(rig) == "rod down"):
+        words += f",\n{rod_words(rig).replace(', ', chr(10))}\n(chamber A drawn below)"
     text(axes, 14.25, 8.2, words, ha="left", size=8.5)
     arrow(axes, (14.4, 6.25), (14.4, 7.2), ACCENT)
     thin(axes, (14.05, 6.25), (14.55, 6.25), width=0.8)
     thin(axes, (14.05, 7.2), (14.55, 7.2), width=0.8)
 
 
-def _weight(axes: Axes) -> None:
+def _weight(axes: Axes, rig: Values) -> None:
     """A weight with room for the rod, waiting on its support; the load meets it from below."""
-    change = load("load-change").rig_values()["load"]
+    change = rig["load"]
     for x, support in ((12.35, 12.0), (13.6, 14.25)):
         box(axes, x, 4.55, 0.65, 0.55, "#e3c9a0")
         box(axes, support, 4.35, 0.4, 0.2, "white", hatch="////")
@@ -190,15 +246,16 @@ def _taps(axes: Axes) -> None:
     text(axes, 14.7, 6.75, "$x$", ACCENT, 11.0)
 
 
-def _key(axes: Axes) -> None:
+def _key(axes: Axes, rig: Values, circuit: Circuit) -> None:
     for y, hose, words in ((9.1, False, "steel pipe"), (8.65, True, "hose")):
         pipe(axes, ((0.5, y), (1.4, y)), hose)
         text(axes, 1.6, y, words, ha="left")
     circle(axes, 0.95, 8.1, 0.22, BLUSH)
     text(axes, 1.6, 8.1, "pressure tap", ha="left")
-    supply = supply_at_rest(rig_circuit())
+    supply = supply_at_rest(circuit)
+    rises = "the piston rises" if positive_words(rig) == "lifts" else "port A drives"
     for y, words in (
-        (7.5, "arrowheads: flow while the piston rises"),
+        (7.5, f"arrowheads: flow while {rises}"),
         (7.2, "beside each line: length, wave speed, travel time"),
         (6.9, f"at rest, valve shut: $p_1$ = {1e-5 * supply.tee:.1f} bar"),
     ):

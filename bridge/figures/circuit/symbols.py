@@ -74,11 +74,21 @@ def tank(axes: Axes, x: float, y: float) -> None:
     axes.fill_between(sides, floor, y - 0.12, color=OIL, linewidth=0.0, zorder=1)
 
 
-def fittings(axes: Axes) -> None:
+def fittings(axes: Axes, has_filter: bool, has_valve: bool) -> None:
     """Filter and two-position valve in line 2."""
+    if has_filter:
+        _filter(axes)
+    if has_valve:
+        _two_position_valve(axes)
+
+
+def _filter(axes: Axes) -> None:
     shape(axes, ((4.95, 3.7), (5.3, 4.05), (5.65, 3.7), (5.3, 3.35)))
     thin(axes, (5.3, 4.05), (5.3, 3.35), dashed=True)
     text(axes, 5.3, 4.3, "filter", size=8.5)
+
+
+def _two_position_valve(axes: Axes) -> None:
     box(axes, 6.3, 3.4, 0.6, 0.6)
     box(axes, 6.9, 3.4, 0.6, 0.6)
     arrow(axes, (6.3, 3.7), (6.9, 3.7))
@@ -87,7 +97,7 @@ def fittings(axes: Axes) -> None:
     text(axes, 6.9, 4.28, "two-position valve", size=8.5)
 
 
-def directional_valve(axes: Axes) -> None:
+def directional_valve(axes: Axes, kind: str, moves: tuple[str, str] = ("lowers", "lifts")) -> None:
     """4/3: parallel arrows lower, crossed ones lift; the centre shut as in the proportional valve."""
     left, low, size = 7.65, 4.8, 1.1
     for index in range(3):
@@ -108,6 +118,6 @@ def directional_valve(axes: Axes) -> None:
     for end, outwards in ((left, -1.0), (left + 3.3, 1.0)):
         box(axes, min(end, end + 0.45 * outwards), low + 0.3, 0.45, 0.5)
         thin(axes, (end + 0.1 * outwards, low + 0.3), (end + 0.35 * outwards, low + 0.8))
-    text(axes, left - 0.6, 5.35, "directional valve\nproportional\nor switching", ha="right", size=8.5)
-    text(axes, left + 0.5, 4.47, "lowers", size=8.5, colour="0.35")
-    text(axes, left + 2.85, 4.47, "lifts", size=8.5, colour="0.35")
+    text(axes, left - 0.6, 5.35, f"directional valve\n{kind}", ha="right", size=8.5)
+    text(axes, left + 0.5, 4.47, moves[0], size=8.5, colour="0.35")
+    text(axes, left + 2.85, 4.47, moves[1], size=8.5, colour="0.35")
