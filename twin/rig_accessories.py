@@ -27,7 +27,7 @@ def accessory(port: str) -> dict[str, Entry]:
         "stiffness": Number(40e3, "N/m", f"assumed; {HOLDS}: opens fully 8 bar above cracking", TINY),
         "dynamics": Choice("mass", ("mass", "lag"), f"{HOLDS}; lag: of first order, by its time constant"),
         "mass": Number(50e-3, "kg", f"assumed; {HOLDS}: what moves", TINY),
-        "damping": Number(50.0, "N s/m", f"assumed; {HOLDS}: 0.56 of critical"),
+        "damping": Number(600.0, "N s/m", f"assumed; {HOLDS}: 6.7 of critical, by which most lines keep calm"),
         "restitution": Number(0.2, "", f"assumed; {HOLDS}: at both stops", 0.0, 1.0),
         "rest_speed": Number(1e-4, "m/s", f"assumed; {HOLDS}: slower impacts are dead"),
         "time_constant": Number(5e-3, "s", f"assumed; {HOLDS}, dynamics lag"),

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from bridge.scenario.circuit import circuit_of, rest_of, supply_of
 from bridge.scenario.fitted import SLOTS, fitted
 from bridge.scenario.in_force import in_force
+from bridge.scenario.lowering_swing import in_words, lowering_swings
 from bridge.scenario.model import Scenario
 from bridge.scenario.reach import reference_warnings
 from bridge.scenario.supply_facts import Fact, relief_facts, supply_facts
@@ -115,6 +116,8 @@ def facts(scenario: Scenario) -> list[Fact]:
     found += [*supply_facts(circuit, supply_of(scenario)), *relief_facts(circuit, scenario)]
     if isinstance(circuit.parts.valve, ServoValve):
         found += _servo_facts(circuit.parts.valve, supply_of(scenario).idle)
+    swings = lowering_swings(scenario).items()
+    found += [Fact(f"{port}: lowering through it (linear theory)", in_words(swing)) for port, swing in swings]
     return [*found, *_load_facts(circuit), *_line_facts(circuit, scenario), *_channel_facts(scenario)]
 
 

@@ -89,7 +89,12 @@ def _unknown_key(place: list[str]) -> str:
 
     key = place[-1]
     if place[0] not in UNIONS or len(place) < 3:
-        return f"unknown key{_near(key, _model_at(place[:-1]))}"
+        slots = (
+            "; the circuit is a fixed skeleton of slots, docs/drives.md"
+            if place[0] == "rig" and len(place) == 2
+            else ""
+        )
+        return f"unknown key{_near(key, _model_at(place[:-1]))}{slots}"
     tag = place[1]
     if instead := INSTEAD.get((tag, key)):
         return instead

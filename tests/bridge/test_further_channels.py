@@ -22,31 +22,15 @@ from bridge.report.subject import load_run
 from bridge.runs.check import judge_run
 from bridge.runs.in_process import record_in_process, run_in_memory, run_unrecorded
 from bridge.scenario import Scenario, load
-from bridge.scenario.circuit import circuit_of
 from bridge.studies.stability.trial import stand, trial
 from bridge.wire.messages import OF_SOME_RUNS
 from tests.support.command import hydrotwin_here
 from tests.support.processes import LOOSE, run_recorded
-from twin import accumulator, compliant, counterbalance, lugre, pilot_check, variable_pump
-from twin.accessory import LINE
-from twin.circuit.block import compiled
-from twin.circuit.sensing import DERIVED, Sensing, as_load
-from twin.circuit.state import MEMORY_AT, place_of, unflatten
-from twin.kept import FOLLOWS, KEPT, kept, sensors
-from twin.rig import RIG
-from twin.topology import CHANNELS, OBSERVED
+from twin.kept import sensors
+from twin.topology import OBSERVED
 
 BARE = tuple(f"daq.{effect}" for effect in ("noise=0", "quantise=false", "clip=false"))
 CHOSEN = ("p_pump", "flow_3", "force", "acceleration", "spool")
-WORDS = {"gas_pressure": "gas"}  # where a sensor has another word than the number that it shows
-MEMORIES = {
-    "variable": variable_pump.MEMORY,
-    "bladder": accumulator.MEMORY,
-    "counterbalance": counterbalance.MEMORY,
-    "pilot-check": pilot_check.MEMORY,
-    "lugre": lugre.MEMORY,
-    "compliant": compliant.MEMORY,
-}
 SENSORS = sensors(load("step").rig_values())
 LAW = """\
 def law(sample, target, memory, gains):
@@ -107,41 +91,6 @@ def test_the_force_cell_shows_the_weight_at_rest_and_balances_the_oil_in_motion(
     assert moving.sum() > 1000
     mean = 0.5 * (oil + np.roll(oil, 1))  # the scheme's two half kicks
     assert force[moving] == pytest.approx((mean + true["friction"])[moving], abs=2.0)
-
-
-def test_what_a_kind_keeps_is_read_from_its_slot():
-    kinds = ("supply.kind=variable", "accumulator.kind=bladder", "accessory_a.kind=counterbalance")
-    kinds = (*kinds, "accessory_b.kind=throttle", "relief.kind=none", "friction.kind=lugre", "load.kind=compliant")
-    own = [f"rig.{change}" for change in kinds]
-    rig, state = load("step", own).rig_values(), np.arange(float(MEMORY_AT))
-    names, seen, taps = kept(rig), np.zeros(len(OBSERVED)), np.zeros((2, len(CHANNELS)))
-    found = Sensing(names, compiled(circuit_of(load("step"))), rig).read(state, seen, taps)
-    slots = unflatten(state).slots._asdict()
-    far = state[place_of("piston.position")] + slots["load"][compliant.STRETCH]
-    expected = [far if entry.number == FOLLOWS else slots[slot][entry.number] for slot, entry in names.values()]
-    assert found.tolist() == expected
-    assert len(names) == 11
-
-
-@pytest.mark.parametrize("kind", RIG["load"]["kind"].options)
-def test_the_force_cell_knows_the_load_of_any_kind(kind: str):
-    """Off the record that changes while the plant runs, with all that is nested in it."""
-    circuit = circuit_of(load("step", [f"rig.load.kind={kind}"]))
-    record = compiled(circuit).parts[0]["load"]
-    assert as_load(record.dtype, record.item()) == circuit.parts.load
-
-
-@pytest.mark.parametrize("section", KEPT)
-def test_a_sensor_shows_the_number_that_its_kind_names(section: str):
-    for kind, words in KEPT[section].items():
-        assert kind in RIG[section]["kind"].options
-        for word, entry in words.items():
-            if entry.number == FOLLOWS:
-                assert f"{section}_{word}" in {*OBSERVED, *DERIVED}
-            elif (section.startswith("accessory"), word) == (True, "pressure"):
-                assert entry.number == LINE
-            else:
-                assert MEMORIES[kind][entry.number] == WORDS.get(word, word)
 
 
 def test_resolution_noise_and_range_are_those_of_the_card():
@@ -398,13 +347,3 @@ def test_report_and_view_draw_them_by_unit(alone: Recording, tmp_path: Path):
     for path in (write(alone, tmp_path / "a.rrd"), tmp_path / "live.rrd"):
         _, values = column(path, "/channels_N/force", "Scalars:scalars")
         assert sorted(values) == pytest.approx(sorted(alone.columns("channels")["force"]))
-
-
-def test_sensors_have_ranges_and_words():
-    daq = load("step").daq
-    for name, sensor in SENSORS.items():
-        low, high = sensor.ends(daq)
-        assert low <= 0.0 < high
-        assert sensor.note
-        assert name in OBSERVED or name in ("force", "acceleration")
-    assert not set(SENSORS) & (set(CHANNELS) - {"p1"})

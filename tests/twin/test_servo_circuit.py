@@ -7,18 +7,21 @@ import numpy as np
 import pytest
 
 from tests.support.plant import BAR, FRICTIONLESS, SMOOTH, TIGHT, circuit, pipes, run, watched
+from twin.actuator import outside
 from twin.circuit.block import advance
 from twin.circuit.equilibrium import equilibrium, supply_at_rest
 from twin.circuit.linear import edge_point, jacobian, linearise, moving_point, to_vector
-from twin.circuit.open_centre import laws_at_rest, passed
+from twin.circuit.open_centre import laws_at_rest, passed, steady_lands
 from twin.circuit.rates import STATES, vector_rates
 from twin.circuit.state import oil_in, pressures
 from twin.circuit.step import Circuit
 from twin.integration import integrate
+from twin.lands import Lands
+from twin.load_at_rest import held_force
 from twin.rig import values
+from twin.rig_servo import LANDS
 from twin.servo_valve import FORCE
 
-LANDS = ("p_a", "b_t", "p_b", "a_t")
 SIZES = np.array([1e5] * 9 + [1e-4] * 6 + [0.1, 0.1, 0.1, 10.0])
 VAPOUR = -1.0 * BAR
 
@@ -162,3 +165,17 @@ def test_power_off_and_words():
     """A tight cylinder behind a valve without lap and leak holds as it did: p_u as given."""
     c = servo(leakage=0.0, parts={"cylinder": TIGHT})
     assert pressures(equilibrium(c, 0.1, 3 * BAR)).upper == 3 * BAR
+
+
+@pytest.mark.parametrize("cylinder", [{}, {"rod_at": "both", "outside_lower": 2e12}])
+def test_chambers_at_rest_are_filled_and_emptied_by_one_speed(cylinder: dict[str, Any]):
+    """Lands, the leak across the piston and those to the outside; the load is carried."""
+    c = servo(lap=-0.005, parts={"cylinder": cylinder})
+    p, actuator = pressures(equilibrium(c, 0.1)), c.parts.cylinder
+    drop = Lands(p.p - p.a, p.b - p.t, p.p - p.b, p.a - p.t, 0.0)
+    q, leak = steady_lands(drop, 0.0, c), actuator.leakage * (p.lower - p.upper)
+    drains = outside(actuator)
+    rises = (q.p_a - q.a_t - leak - drains.lower * p.lower) / actuator.area_lower
+    sinks = (q.p_b - q.b_t + leak - drains.upper * p.upper) / actuator.area_upper
+    assert rises == pytest.approx(-sinks, rel=1e-6)
+    assert actuator.area_lower * p.lower - actuator.area_upper * p.upper == pytest.approx(held_force(c.parts.load, 0.1))

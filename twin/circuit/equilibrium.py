@@ -149,7 +149,7 @@ def equilibrium(circuit: Circuit, position: float, p_upper: float = 0.0) -> Stat
         p, t = supply.tee - to_p, drop_5 + back
     laws = None if isinstance(circuit.parts.necks, Necks) else laws_at_rest(circuit)
     if laws and p_upper == 0.0:
-        p_upper = upper_pressure(p, t, held_force(circuit.parts.load, position), laws, circuit) or 0.0
+        p_upper = upper_pressure(p, t, position, held_force(circuit.parts.load, position), laws, circuit) or 0.0
     p_lower, p_upper = holding_pressures(cylinder, circuit.parts.load, position, p_upper)
     p_a, p_b = _held_lines(Chambers(p_lower, p_upper), circuit)
     at = Pressures(supply.pump, supply.tee, p, p_a, p_lower, p_upper, p_b, t, back)

@@ -3,20 +3,24 @@
 import math
 from typing import NamedTuple
 
+from twin.accessory import between
 from twin.actuator import areas, moduli, volumes
 from twin.circuit.step import Circuit
 from twin.compliant import Compliant
+from twin.counterbalance import Counterbalance
 from twin.kernel import interpreted
 from twin.load import Load
 from twin.load_at_rest import inertia_at, rigid_mass, surroundings
 from twin.load_slot import AnyLoad
 from twin.lugre import LuGre
+from twin.pilot_check import PilotCheck
 from twin.pump import Pump
 from twin.relief.direct import DirectRelief
 from twin.seal import Seal, least_mass
 from twin.servo_valve import ServoValve
 from twin.switching_valve import SwitchingValve
 from twin.topology import PIPES, RELIEF_LINE
+from twin.valve_body import MOST_SUBSTEPS, TURN, Mass
 from twin.variable_pump import VariablePump
 
 FOLLOWED = 0.5  # omega h up to which the leapfrog keeps a frequency within (omega h)^2/24 = 1 %
@@ -49,7 +53,18 @@ def limits(circuit: Circuit) -> list[Limit]:
     if isinstance(parts.supply, Pump) and parts.supply.ripple > 0.0:
         tooth = 1.0 / parts.supply.tooth_frequency
         found.append(Limit("pump", "period of a tooth", tooth, tooth / STEPS_PER_TOOTH))
-    return [*found, *_lags(circuit), _valve(circuit)]
+    return [*found, *_lags(circuit), *_bodies(circuit), _valve(circuit)]
+
+
+def _bodies(circuit: Circuit) -> list[Limit]:
+    """Bodies of the accessories on their springs, by substeps; those of first order are exact at any step."""
+    necks = between(circuit.parts.necks)
+    found = []
+    for name, valve in (("accessory_a", necks.accessory_a), ("accessory_b", necks.accessory_b)):
+        if isinstance(valve, Counterbalance | PilotCheck) and isinstance(body := valve.body, Mass):
+            time = math.sqrt(body.mass / body.stiffness)
+            found.append(Limit(name, "body on its spring, by substeps", time, MOST_SUBSTEPS * TURN * time))
+    return found
 
 
 def _lags(circuit: Circuit) -> list[Limit]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.accessory import NoAccessory, between
 from twin.actuator import areas, drive, moduli, outside, widening
 from twin.air import tangent
 from twin.circuit.block import compiled
@@ -95,7 +96,7 @@ def edge_point(circuit: Circuit, position: float, edge: str) -> State:
     balance. Raises ValueError for another edge, and for a load under which the oil would not follow.
     """
     _check_edge(edge, ("+", "-"))
-    _refuse_switching(circuit)
+    _refuse_without_slope(circuit)
     p = _edge_pressures(circuit, position, edge)
     _refuse_cavity(p, circuit)
     spool = Spool(edge_of(circuit.parts.valve, edge), 0.0)
@@ -125,7 +126,7 @@ def moving_point(circuit: Circuit, position: float, spool: float, viscous: float
     """
     from scipy.optimize import root
 
-    _refuse_switching(circuit)
+    _refuse_without_slope(circuit)
     if not joins(circuit.parts.valve, spool):
         raise ValueError(f"spool {spool} lies inside the overlap, {_dead_band(circuit)}; take it further out")
     pressure_guess = _edge_pressures(circuit, position, "+" if spool > 0.0 else "-")
@@ -307,12 +308,19 @@ def _refuse_cavity(p: Pressures, circuit: Circuit) -> None:
             )
 
 
-def _refuse_switching(circuit: Circuit) -> None:
+def _refuse_without_slope(circuit: Circuit) -> None:
     if is_switching(circuit.parts.valve):
         raise ValueError(
             "a switching valve knows three positions and has no slope between them; "
             "linearise with valve.kind = 'proportional'"
         )
+    necks = between(circuit.parts.necks)
+    for name, kind in (("accessory_a", necks.accessory_a), ("accessory_b", necks.accessory_b)):
+        if not isinstance(kind, NoAccessory):
+            raise ValueError(
+                f"{name} is open, shut or in between by pressure and has no slope in this theory; linearise with "
+                f"{name}.kind = 'none', or see what `hydrotwin describe` says of lowering"
+            )
 
 
 def _check_edge(edge: str | None, valid: tuple[str | None, ...]) -> None:

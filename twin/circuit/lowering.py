@@ -9,10 +9,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from twin.accessory import Necks, between, resting_neck
+from twin.actuator import areas
+from twin.check_valve import cracking_drop
 from twin.circuit.equilibrium import line_drop, relieved_at
 from twin.circuit.step import Circuit
 from twin.counterbalance import Counterbalance
-from twin.cylinder import Chambers
 from twin.directional_valve import land_orifice, lands_at
 from twin.fitting import fitting_resistance
 from twin.kernel import interpreted
@@ -20,6 +21,7 @@ from twin.load_at_rest import moved_weight
 from twin.neck import steady_flow
 from twin.orifice import resistance
 from twin.pilot_check import PilotCheck
+from twin.return_end import steady_end
 from twin.supply import steady_supply
 
 HIGHEST = 1e9  # [Pa]
@@ -92,15 +94,16 @@ def _excess(at: Lowering, circuit: Circuit) -> float:
 def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit) -> Lowering:
     """Pressures at a speed, whatever the valve would pass; oil expands and is compressed on its way."""
     parts, lower = circuit.parts, held == "accessory_a"
-    cylinder, b = parts.cylinder, parts.oil.bulk_modulus
-    a_held, a_driven = (cylinder.area_lower, cylinder.area_upper)[:: 1 if lower else -1]
+    b = parts.oil.bulk_modulus
+    a_held, a_driven = interpreted(areas)(parts.cylinder, position)[:: 1 if lower else -1]
     out_of, into = (2, 3) if lower else (3, 2)  # lines
     lands, orifice = interpreted(lands_at)(parts.valve, spool), land_orifice(parts.valve)
     to_driven, to_tank = (lands.p_b, lands.a_t) if lower else (lands.p_a, lands.b_t)
     q_driven, p_driven = a_driven * speed, 0.0
     for _ in range(3):
         tee = _tee(q_driven, circuit)
-        p_p = tee - fitting_resistance(q_driven, parts.fitting) * q_driven - line_drop(1, q_driven, circuit)
+        p_p = tee - cracking_drop(parts.check) - fitting_resistance(q_driven, parts.fitting) * q_driven
+        p_p -= line_drop(1, q_driven, circuit)
         p_b = p_p - _edge(q_driven, *resistance(to_driven, orifice, parts.oil))
         p_pilot = p_b - line_drop(into, q_driven, circuit)
         p_driven = p_pilot - drop_into(q_driven, "accessory_b" if lower else "accessory_a", circuit)
@@ -108,7 +111,7 @@ def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit
     weight = moved_weight(parts.load, position)
     p_held = ((weight if lower else -weight) + a_driven * p_driven) / a_held
     q_held = a_held * speed * (1.0 + p_held / b)
-    p_t = line_drop(4, q_held, circuit) + line_drop(5, q_held, circuit)
+    p_t = line_drop(4, q_held, circuit) + line_drop(5, q_held, circuit) + steady_end(parts.return_end, q_held, 0.0)
     p_a = p_t + _edge(q_held, *resistance(to_tank, orifice, parts.oil))
     p_line = p_a + line_drop(out_of, q_held, circuit)
     pressures = p_held, p_driven, p_line, p_pilot, p_a, p_b, p_p, p_t, tee
@@ -144,8 +147,3 @@ def drop_into(q: float, port: str, circuit: Circuit) -> float:
     while steady_flow(high, neck) < q:
         high *= 2.0
     return _root(lambda drop: steady_flow(drop, neck) - q, 0.0, high)
-
-
-def chambers(at: Lowering, held: float, driven: float) -> Chambers:
-    """A value of the held and of the driven chamber as of the lower and the upper one."""
-    return Chambers(held, driven) if at.held == "accessory_a" else Chambers(driven, held)

@@ -20,11 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.accessory import between
-from twin.actuator import chamber_volumes
+from twin.actuator import areas, volumes
 from twin.circuit.lowering import Lowering, drop_into
 from twin.circuit.step import Circuit
 from twin.counterbalance import Counterbalance, opening_force
-from twin.cylinder import Chambers
 from twin.directional_valve import land_orifice, lands_at
 from twin.fitting import fitting_slope
 from twin.kernel import interpreted
@@ -43,8 +42,9 @@ from twin.valve_body import Mass
 
 Array = NDArray[Any]
 OPEN_END = 1e3  # [m^3/(s Pa)], admittance of the tank
-STARTS = 2.0 * math.pi * np.concatenate([np.arange(0.5, 30.0, 0.5), np.arange(30.0, 300.0, 3.0)])  # [rad/s]
-HIGHEST = 2.0 * math.pi * 300.0  # [rad/s], of the oscillations looked for
+SPANS = ((0.5, 30.0, 0.5), (30.0, 300.0, 3.0), (300.0, 2000.0, 10.0))  # [Hz], from, to, spacing
+STARTS = 2.0 * math.pi * np.concatenate([np.arange(*span) for span in SPANS])  # [rad/s], of the search
+HIGHEST = 2.0 * math.pi * 2000.0  # [rad/s], of the oscillations looked for
 RATIOS = (0.0, 30.0)  # of the pilot, between which an edge is looked for
 
 
@@ -113,8 +113,8 @@ class _Seen(NamedTuple):
 def _seen(s: Array, at: Lowering, rig: Mapping[str, Any], circuit: Circuit) -> _Seen:
     parts, lower = circuit.parts, at.held == "accessory_a"
     out_of, into = (2, 3) if lower else (3, 2)
-    areas, orifice = interpreted(lands_at)(parts.valve, at.spool), land_orifice(parts.valve)
-    to_driven, to_tank = (areas.p_b, areas.a_t) if lower else (areas.p_a, areas.b_t)
+    opened, orifice = interpreted(lands_at)(parts.valve, at.spool), land_orifice(parts.valve)
+    to_driven, to_tank = (opened.p_b, opened.a_t) if lower else (opened.p_a, opened.b_t)
     returning = line_seen(s, 4, line_seen(s, 5, OPEN_END, at.q_held, rig, circuit), at.q_held, rig, circuit)
     out = _behind(returning, to_tank, at.q_held, orifice, parts.oil)
     supplied = _behind(_supply(s, at, rig, circuit), to_driven, at.q_driven, orifice, parts.oil)
@@ -144,9 +144,9 @@ def _matrices(s: Array, at: Lowering, rig: Mapping[str, Any], circuit: Circuit, 
     """The equations of (W, P_h, P_d, X, P_line, P_pilot), at each s, each row to its own size."""
     parts, slopes, seen = circuit.parts, about(at, circuit), _seen(s, at, rig, circuit)
     valve, cylinder, b = getattr(between(parts.necks), at.held), parts.cylinder, parts.oil.bulk_modulus
-    volumes = interpreted(chamber_volumes)(at.position, cylinder)
-    areas = Chambers(cylinder.area_lower, cylinder.area_upper)
-    (a_h, a_d), (v_h, v_d) = (areas, volumes) if at.held == "accessory_a" else (areas[::-1], volumes[::-1])
+    order = 1 if at.held == "accessory_a" else -1
+    a_h, a_d = interpreted(areas)(cylinder, at.position)[::order]
+    v_h, v_d = interpreted(volumes)(cylinder, at.position)[::order]
     m = np.zeros((len(s), 6, 6), complex)
     around = surroundings(parts.load)
     m[:, 0, 0] = rigid_mass(parts.load, at.position) * s + viscous + around.viscous + around.stiffness / s
@@ -186,7 +186,7 @@ def _slope_into(at: Lowering, circuit: Circuit) -> float:
 
 
 def swings(at: Lowering, rig: Mapping[str, Any], circuit: Circuit, viscous: float = 0.0) -> list[Swing]:
-    """The oscillations below 300 Hz about a steady lowering, the fastest growing first; viscous: friction [N s/m]."""
+    """The oscillations below 2 kHz about a steady lowering, the fastest growing first; viscous: friction [N s/m]."""
     size = np.abs(_matrices(np.array([1j * STARTS[0]]), at, rig, circuit, viscous))[0].max(axis=1, keepdims=True)
     column = np.array([0.1, 1e5, 1e5, 1e-4, 1e5, 1e5])
     row = (size * column).max(axis=1, keepdims=True)

@@ -5,13 +5,12 @@ is held moves a little all the same: its chambers come to the pressures at which
 speed, while they carry it.
 """
 
+from twin.actuator import areas, outside
 from twin.circuit.step import Circuit
 from twin.kernel import interpreted
 from twin.land_law import Law, Laws, land_flow
 from twin.lands import Lands
 from twin.servo_valve import ServoValve, servo_laws
-
-HIGHEST = 1e10  # [Pa]
 
 
 def steady_lands(drop: Lands, spool: float, circuit: Circuit) -> Lands:
@@ -36,20 +35,21 @@ def passed(drop: float, laws: Laws) -> float:
     return _in_series(drop, laws.p_a, laws.a_t) + _in_series(drop, laws.p_b, laws.b_t)
 
 
-def upper_pressure(p: float, t: float, weight: float, laws: Laws, circuit: Circuit) -> float | None:
+def upper_pressure(p: float, t: float, position: float, weight: float, laws: Laws, circuit: Circuit) -> float | None:
     """Pressure [Pa] of the upper chamber while the valve in the middle holds a weight [N]; None where it cannot."""
-    cylinder, vapour = circuit.parts.cylinder, circuit.parts.oil.vapour_pressure
+    actuator, vapour = circuit.parts.cylinder, circuit.parts.oil.vapour_pressure
+    area, drains = interpreted(areas)(actuator, position), interpreted(outside)(actuator)
 
     def sinks(upper: float) -> float:
         """Sum of the speeds at which the chambers are filled [m/s]: falls with their pressures."""
-        lower = (weight + cylinder.area_upper * upper) / cylinder.area_lower
-        leak = cylinder.leakage * (lower - upper)
-        into_lower = _flow(p - lower, laws.p_a) - _flow(lower - t, laws.a_t) - leak
-        into_upper = _flow(p - upper, laws.p_b) - _flow(upper - t, laws.b_t) + leak
-        return into_lower / cylinder.area_lower + into_upper / cylinder.area_upper
+        lower = (weight + area.upper * upper) / area.lower
+        leak = actuator.leakage * (lower - upper)
+        into_lower = _flow(p - lower, laws.p_a) - _flow(lower - t, laws.a_t) - leak - drains.lower * lower
+        into_upper = _flow(p - upper, laws.p_b) - _flow(upper - t, laws.b_t) + leak - drains.upper * upper
+        return into_lower / area.lower + into_upper / area.upper
 
-    low = max(vapour, (cylinder.area_lower * vapour - weight) / cylinder.area_upper)
-    high = max(p, (cylinder.area_lower * p - weight) / cylinder.area_upper)
+    low = max(vapour, (area.lower * vapour - weight) / area.upper)
+    high = max(p, (area.lower * p - weight) / area.upper)
     if not (low < high and sinks(low) > 0.0 > sinks(high)):
         return None
     return _root(sinks, low, high)
