@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from tests.benchmarks import (
+    drives,
     environment,
     lines,
     lines_lab,
@@ -29,6 +30,7 @@ from tests.benchmarks import (
 
 SECTIONS = {
     "plant": plant.rows,
+    "drives": drives.rows,
     "lines": lines.rows,
     "lines_lab": lines_lab.rows,
     "relief": relief.rows,
