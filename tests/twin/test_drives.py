@@ -46,6 +46,7 @@ def test_random_drives_keep_oil_and_energy(share: int):
 
 
 @pytest.mark.endurance
+@pytest.mark.timeout(1600)
 @pytest.mark.parametrize("seed", range(2, 8))
 def test_further_random_drives_keep_oil_and_energy(seed: int):
     for found in outcomes(seed, 2000):

@@ -1,7 +1,7 @@
 """The tables of the circuit against each other and against the names that the equations use."""
 
 from tests.support.plant import circuit
-from twin.circuit import rates, step
+from twin.circuit import ends, rates
 from twin.circuit.block import HELD, observed
 from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import CORE, Flows, Pressures, flatten
@@ -9,20 +9,20 @@ from twin.rig import RIG
 from twin.topology import CHANNELS, END_OF, ENDS, FLOWS, OBSERVED, PIPES, PLACES, RELIEF_LINE, TANK
 
 NAMED = {  # pipe: the names that `step` has for its two ends
-    "pipe_1": (step.PUMP, step.TEE_1),
-    "pipe_2": (step.TEE_2, step.P),
-    "pipe_3": (step.A, step.LOWER),
-    "pipe_4": (step.B, step.UPPER),
-    "pipe_5": (step.T, step.BACK_5),
-    "pipe_6": (step.BACK_6, step.TANK),
+    "pipe_1": (ends.PUMP, ends.TEE_1),
+    "pipe_2": (ends.TEE_2, ends.P),
+    "pipe_3": (ends.A, ends.LOWER),
+    "pipe_4": (ends.B, ends.UPPER),
+    "pipe_5": (ends.T, ends.BACK_5),
+    "pipe_6": (ends.BACK_6, ends.TANK),
 }
 
 
 def test_the_equations_name_the_ends_in_the_order_of_the_pipes():
     assert [end for ends in NAMED.values() for end in ends] == list(range(len(ENDS)))
     assert list(NAMED) == list(PIPES)
-    places = {"pump": step.PUMP, "tee": step.TEE_1, "p": step.P, "a": step.A, "lower": step.LOWER}
-    places |= {"upper": step.UPPER, "b": step.B, "t": step.T, "return": step.BACK_5}
+    places = {"pump": ends.PUMP, "tee": ends.TEE_1, "p": ends.P, "a": ends.A, "lower": ends.LOWER}
+    places |= {"upper": ends.UPPER, "b": ends.B, "t": ends.T, "return": ends.BACK_5}
     assert places == END_OF
 
 
