@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from bridge.errors import ScenarioError
 from bridge.scenario.bands import parse_band, refuse_unread
@@ -112,10 +112,18 @@ class Allowed(Part):
     safe_states: int = Field(default=0, ge=0, description="how often the plant may go to its safe state")
 
 
+def _as_word(value: object) -> object:
+    """A word that looks like a number, as 46 of an oil, may be written as one."""
+    return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
 def _rig_part(name: str, entries: dict[str, Entry]) -> Any:
     def field(key: str, entry: Entry) -> tuple[Any, Any]:
         if isinstance(entry, Choice):
-            return Literal[entry.options], Field(default=entry.value, description=entry.source)
+            word: Any = Literal[entry.options]
+            if all(option.isdigit() for option in entry.options):
+                word = Annotated[word, BeforeValidator(_as_word)]
+            return word, Field(default=entry.value, description=entry.source)
         if isinstance(entry, Table):
             x, y = (Annotated[float, Measured(unit)] for unit in entry.units)
             return tuple[tuple[x, y], ...], Field(default=entry.value, description=entry.source)

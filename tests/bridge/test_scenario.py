@@ -57,7 +57,7 @@ def test_the_list_shows_what_the_checked_scenarios_say():
         ("expect=['limit cycle: maybe']", "'none' or 'present'"),
         ("start.position='3 m'", "lies outside the stroke"),
         ("rig.valve.kind=switchin", "rig.valve.kind: 'switchin' is unknown; did you mean 'switching'"),
-        ("rig.pipe_2.model=wavy", "(valid: ends, nodes, lumped)"),
+        ("rig.pipe_2.model=wavy", "(valid: ends, nodes, lumped, volume, none)"),
         ("rig.pump.ripple=true", "rig.pump.ripple"),
         ("rig.oil.temperature=95", "must be at most 80"),
         ("controller.gain.x=1", "controller.gain"),

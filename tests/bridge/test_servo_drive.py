@@ -8,7 +8,8 @@ from bridge.scenario import load
 from bridge.scenario.describe import facts, values_of
 from bridge.scenario.fitted_valve import overlap_of
 from bridge.studies.linear_model import linear_model
-from bridge.studies.stability.advice import advise, plants_of
+from bridge.studies.stability.advice import plants_of
+from bridge.studies.stability.amplitude import loop_of
 from bridge.studies.stability.rig_loop import timing_of
 from bridge.wire.codec import ValveCommand
 
@@ -91,9 +92,9 @@ def test_linear_model_through_null_and_beside_it():
     assert linear_model(scenario, "0.3").at["velocity"] > 0.0
 
 
-def test_advice_on_large_swings_is_refused_with_a_way_out():
-    with pytest.raises(ScenarioError, match=r"kind 'servo': the reduced loop knows only .* take `hydrotwin map`"):
-        advise(load("step", SERVO))
+def test_the_reduced_loop_refuses_it_with_a_way_out():
+    with pytest.raises(ScenarioError, match=r"servo.*: the reduced drive leaves it out; `hydrotwin advise` runs the"):
+        loop_of(load("step", SERVO))
 
 
 @pytest.mark.parametrize(

@@ -281,8 +281,10 @@ def _tee(before: float, out: float, d: Drive, step: float) -> float:
     return (before + per * (s.delivery - out + s.slope * s.opening)) / (1.0 + per * (s.leakage + s.slope))
 
 
-def pace_of(valve: SpoolValve, step: float) -> Pace:
-    """The pace of a step [s]: expm(step [[0, 1], [-omega^2, -2 zeta omega]])."""
+def pace_of(valve: Valve, step: float) -> Pace:
+    """The pace of a step [s]: expm(step [[0, 1], [-omega^2, -2 zeta omega]]); a switching spool needs no matrix."""
+    if not isinstance(valve, SpoolValve):
+        return Pace(step, 0.0, 0.0, 0.0, 0.0)
     omega, zeta = valve.natural_frequency, valve.damping
     root = cmath.sqrt(zeta * zeta - 1.0 + (1e-12 if abs(zeta - 1.0) < 1e-12 else 0.0))
     s_1, s_2 = omega * (root - zeta), omega * (-root - zeta)
