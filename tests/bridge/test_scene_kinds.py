@@ -85,6 +85,13 @@ def test_the_rig_of_the_thesis_is_seen_from_where_it_was():
     assert eyes_of(scene()) == EYES
 
 
+def test_a_motor_is_seen_from_as_near_however_far_its_arc_goes():
+    """The stroke of a motor is the range of its arc: 40 m are some turns of the drum, not a long cylinder."""
+    where = scene(actuator={"kind": "motor"}, cylinder={"stroke": 40.0})
+    for position, target in eyes_of(where).values():
+        assert np.linalg.norm(np.subtract(position, target)) < 3.0
+
+
 def test_oil_in_the_bottle_follows_the_polytrope():
     """Gas of 90 bar takes 1/2 of its volume at (91 bar abs) 2^1.4; below the precharge the bottle has no oil."""
     where = scene(accumulator={"kind": "bladder", "at": "tee", "precharge": 90e5, "exponent": 1.4})
