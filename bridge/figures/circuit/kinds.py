@@ -49,7 +49,7 @@ def _accessory(axes: Axes, y: float, words: str) -> None:
     """A block in the line, close to the cylinder."""
     box(axes, 11.15, y - 0.2, 0.4, 0.4, GREEN)
     _check(axes, 11.35, y, 0.6)
-    text(axes, 11.05, y - 0.3, words, size=8.5, ha="right")
+    text(axes, 10.7, y + 0.85, words, size=8.5)
 
 
 def _check(axes: Axes, x: float, y: float, size: float) -> None:
