@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -36,8 +37,14 @@ def _essence(data: Mapping[str, Any]) -> dict[str, Any]:
 
 def _differing(a: Any, b: Any, place: str) -> Iterator[str]:
     if not (isinstance(a, Mapping) and isinstance(b, Mapping)):
-        if a != b:
+        if _written(a) != _written(b):
             yield place
         return
     for key in {*a, *b}:
         yield from _differing(a.get(key), b.get(key), f"{place}.{key}".lstrip("."))
+
+
+def _written(value: Any) -> Any:
+    """An infinite number as JSON has it, which knows it by a word alone."""
+    infinite = isinstance(value, float) and math.isinf(value)
+    return ("Infinity" if value > 0.0 else "-Infinity") if infinite else value

@@ -287,7 +287,7 @@ def test_what_the_rig_cannot_be_is_refused_before_the_run(entry: str, said: str)
 
 def test_every_number_that_may_change_can_be_set():
     """A little more of each, by name, in the middle of a run: the run goes on and the event says so."""
-    scenario = load("step", ["duration=0.5", "rig.pump.run_up=0", *LUMPED])
+    scenario = load("step", ["duration=0.5", "loop.command_timeout=1", "rig.pump.run_up=0", *LUMPED])
     plant, controller = sides(scenario)
     for _ in exchange(plant, controller, 2):
         pass
