@@ -64,6 +64,7 @@ def _show(live: "Live", web: bool) -> None:
     with ExitStack() as stack:
         program = stack.enter_context(server() if web else window())
         if web:
+            live.stop.listen()
             print(f"{program.address}\nCtrl-C ends it", flush=True)
         live.follow(program)
         if live.inbox.left_out:

@@ -132,9 +132,8 @@ def _end(process: subprocess.Popen[bytes]) -> None:
         process.wait()
 
 
-def until_closed(program: Program) -> int | None:
+def until_closed(program: Program, stop: Stop) -> int | None:
     """Wait until Rerun has ended, and give its exit code; None when we have been asked to end."""
-    stop = Stop().listen()
     while (code := program.process.poll()) is None and not stop():
         time.sleep(0.05)
     return code

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from bridge.errors import UsageError
+from bridge.machine.process import Stop
 from bridge.recording.reader import Recording, read
 from bridge.view.content import APPLICATION, send, write
 from bridge.view.rerun_program import (
@@ -58,7 +59,7 @@ def _open(recording: Recording) -> None:
     """A window of its own; returns when it is closed."""
     with window() as program:
         send(connected(program, APPLICATION), recording)
-        failed = until_closed(program)
+        failed = until_closed(program, Stop().listen())
     if failed:
         raise UsageError("Rerun's window did not open; use --web for a browser, or --save FILE.rrd")
 
@@ -70,6 +71,7 @@ def _serve(recording: Recording) -> None:
     """
     with server() as program:
         send(connected(program, APPLICATION), recording)
+        stop = Stop().listen()  # before the address is told: whoever reads it may end us at once
         print(f"{program.address}\nCtrl-C ends it", flush=True)
-        if until_closed(program) is not None:
+        if until_closed(program, stop) is not None:
             raise UsageError("Rerun's web server ended by itself")
