@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Rates = Callable[[float, NDArray[np.floating]], Any]
+Rates = Callable[[float, NDArray[np.float64]], Any]
 Solution = Any  # what solve_ivp returns
 
 
@@ -25,7 +25,7 @@ def integrate(
 
     calls = 0
 
-    def counted(t: float, y: NDArray[np.floating]) -> Any:
+    def counted(t: float, y: NDArray[np.float64]) -> Any:
         nonlocal calls
         calls += 1
         if calls > most:

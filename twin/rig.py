@@ -305,6 +305,22 @@ BUILT_IN = {  # numbers that stay while the rig runs: why
 }
 
 
+def rig_number(part: str, name: str) -> float:
+    """A number of the rig, SI. Raises TypeError for a word or a table."""
+    entry = RIG[part][name]
+    if not isinstance(entry, Number):
+        raise TypeError(f"{part}.{name} is not a number: {entry.value!r}")
+    return entry.value
+
+
+def rig_words(part: str, name: str) -> tuple[str, ...]:
+    """The words that a choice of the rig may take. Raises TypeError for a number or a table."""
+    entry = RIG[part][name]
+    if not isinstance(entry, Choice):
+        raise TypeError(f"{part}.{name} is not a choice of words: {entry.value!r}")
+    return entry.options
+
+
 def values(overrides: Values | None = None) -> dict[str, dict[str, Any]]:
     """The rig's numbers and words, with a scenario's own in place of some."""
     overrides = overrides or {}

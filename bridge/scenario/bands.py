@@ -145,7 +145,9 @@ def is_own(band: Band | WindowBand) -> TypeGuard[WindowBand]:
 
 def refuse_unread(band: Band | WindowBand, channels: Collection[str]) -> None:
     """Raises ValueError for a band about a further channel of the card that a scenario has not chosen."""
-    topic, _, name = band.signal.partition(".") if is_own(band) else ("", "", "")
+    if not is_own(band):
+        return
+    topic, _, name = band.signal.partition(".")
     if topic == "channels" and name not in channels:
         raise ValueError(f"expect: {band.signal!r} is not read; put {name!r} into daq.channels")
 

@@ -27,7 +27,7 @@ def lowering_swings(scenario: Scenario) -> dict[str, LoweringSwing | str]:
         if not isinstance(getattr(necks, port), Counterbalance):
             continue
         try:
-            place, spool = PLACE * circuit.parts.stops.stroke, -OPENING if port == "accessory_a" else OPENING
+            place, spool = PLACE * circuit.parts.cylinder.stroke, -OPENING if port == "accessory_a" else OPENING
             at = lowering(circuit, place, spool)
             found[port] = LoweringSwing(port, at.speed, next(iter(swings(at, rig, circuit)), None))
         except ValueError as error:

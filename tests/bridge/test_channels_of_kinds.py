@@ -11,7 +11,7 @@ from twin.circuit.block import compiled
 from twin.circuit.sensing import DERIVED, Sensing, as_load
 from twin.circuit.state import MEMORY_AT, place_of, unflatten
 from twin.kept import FOLLOWS, KEPT, kept, sensors
-from twin.rig import RIG
+from twin.rig import rig_words
 from twin.topology import CHANNELS, OBSERVED
 
 WORDS = {"gas_pressure": "gas"}  # where a sensor has another word than the number that it shows
@@ -39,7 +39,7 @@ def test_what_a_kind_keeps_is_read_from_its_slot():
     assert len(names) == 11
 
 
-@pytest.mark.parametrize("kind", RIG["load"]["kind"].options)
+@pytest.mark.parametrize("kind", rig_words("load", "kind"))
 def test_the_force_cell_knows_the_load_of_any_kind(kind: str):
     """Off the record that changes while the plant runs, with all that is nested in it."""
     circuit = circuit_of(load("step", [f"rig.load.kind={kind}"]))
@@ -50,7 +50,7 @@ def test_the_force_cell_knows_the_load_of_any_kind(kind: str):
 @pytest.mark.parametrize("section", KEPT)
 def test_a_sensor_shows_the_number_that_its_kind_names(section: str):
     for kind, words in KEPT[section].items():
-        assert kind in RIG[section]["kind"].options
+        assert kind in rig_words(section, "kind")
         for word, entry in words.items():
             if entry.number == FOLLOWS:
                 assert f"{section}_{word}" in {*OBSERVED, *DERIVED}

@@ -14,6 +14,8 @@ from bridge.scenario.circuit import circuit_of
 from bridge.studies.stability.equivalent import scaled
 from bridge.studies.stability.mark import mark_words
 from controller.stability.actuator.model import omega
+from twin.circuit.kinds import of_kind
+from twin.cylinder import Cylinder
 
 
 def said(*words: str) -> dict:
@@ -26,7 +28,7 @@ def test_the_drive_has_the_oil_spring_of_the_rig():
     """2 omega^2 m = B (A_l^2/V_l + A_u^2/V_u), by the circuit's own capacities: p' = -A v/C."""
     scenario = load("step")
     circuit, found = circuit_of(scenario), scaled(scenario)
-    c, hoses = circuit.parts.cylinder, circuit.lines.capacity[2:4] * circuit.parts.oil.bulk_modulus
+    c, hoses = of_kind(circuit.parts.cylinder, Cylinder), circuit.lines.capacity[2:4] * circuit.parts.oil.bulk_modulus
     volumes = np.array([c.dead_lower, c.dead_upper]) + hoses
     x = scenario.start.position
     volumes += np.array([c.area_lower * x, c.area_upper * (c.stroke - x)])

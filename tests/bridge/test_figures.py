@@ -42,10 +42,10 @@ from bridge.figures.oil.viscosity import (
     viscosity_columns,
 )
 from twin.oil import exponential_viscosity, kinematic_viscosity
-from twin.rig import RIG
+from twin.rig import rig_number
 from twin.seal import friction
 
-ALPHA, BETA = float(RIG["seal"]["alpha"].value), float(RIG["seal"]["beta"].value)
+ALPHA, BETA = rig_number("seal", "alpha"), rig_number("seal", "beta")
 
 
 @pytest.fixture(scope="module")
@@ -179,7 +179,7 @@ def test_the_test_covers_all_loads_both_ways_and_the_limit(exact: Readings):
     plateau = exact.steady & (np.abs(z) < rig_seal().plateau)
     assert plateau.any()
     swing = exact.spread[plateau] / np.abs(exact.speed[plateau])  # means of a swing err by its square
-    assert (np.abs(np.abs(g[plateau]) / RIG["seal"]["limit"].value - 1.0) < np.maximum(1e-6, swing**2)).all()
+    assert (np.abs(np.abs(g[plateau]) / rig_number("seal", "limit") - 1.0) < np.maximum(1e-6, swing**2)).all()
 
 
 def test_exact_readings_give_the_power_law_back(exact: Readings):

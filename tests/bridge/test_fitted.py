@@ -8,8 +8,7 @@ from bridge.recording.shown import line_ends
 from bridge.scenario.fitted import SLOTS, chamber_names, chamber_words, fitted, of_drive, rod_words
 from bridge.scenario.in_force import KIND_READS, PIPE_READS, in_force
 from bridge.scenario.text_picture import text_picture
-from twin.quantity import Choice
-from twin.rig import RIG, values
+from twin.rig import RIG, rig_words, values
 
 OTHER_CHOICES = ("oil", "minor_losses", "amplifier")  # kinds of what has no slot
 
@@ -29,7 +28,7 @@ def words(rig):
 
 def test_every_kind_that_can_be_chosen_has_its_words():
     chosen = {
-        f"{section}.kind": entries["kind"].options
+        f"{section}.kind": rig_words(section, "kind")
         for section, entries in RIG.items()
         if section not in OTHER_CHOICES
         if "kind" in entries
@@ -50,9 +49,8 @@ def test_names_that_only_some_kinds_read_are_the_rigs():
     for section, reads in KIND_READS.items():
         if section in RIG and "kind" in RIG[section]:
             assert set(reads) <= set(RIG[section]), section
-            choice = RIG[section]["kind"]
-            assert isinstance(choice, Choice)
-            assert {kind for kinds in reads.values() for kind in kinds} <= set(choice.options) | {"none"}
+            known = {*rig_words(section, "kind"), "none"}
+            assert {kind for kinds in reads.values() for kind in kinds} <= known
     assert {"length", "friction"} <= set(PIPE_READS)
 
 

@@ -12,6 +12,7 @@ from bridge.recording.writer import entries_of
 from bridge.scenario import Scenario, load
 from controller.grid import NS
 from controller.laws import ControlLaw
+from tests.support.plant import relief_of
 from twin.circuit.build import build
 from twin.topology import OBSERVED
 
@@ -83,7 +84,7 @@ def test_rigs_of_one_oil_and_one_relief_valve_are_fitted_once():
     assert one.parts.relief == other.parts.relief
     stiffer = build(load("step", ["rig.relief.setting=90 bar"]).rig_values(), 50e-6)
     assert stiffer.lines is one.lines
-    assert stiffer.parts.relief.pilot.preload > one.parts.relief.pilot.preload
+    assert relief_of(stiffer).pilot.preload > relief_of(one).pilot.preload
 
 
 def test_circuits_for_one_use_are_not_kept_on_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

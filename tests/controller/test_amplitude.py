@@ -16,9 +16,12 @@ from controller.stability.amplitude.reduce import at_rest, reduced
 from controller.stability.amplitude.run import Card, Course, run_asking, run_linear
 from controller.stability.amplitude.swing import Swing, last_third
 from twin.circuit.build import build
+from twin.circuit.kinds import of_kind
 from twin.circuit.linear import moving_point
 from twin.load_at_rest import held_force
 from twin.rig import values
+from twin.seal import Seal
+from twin.spool_valve import SpoolValve
 
 EXACT = Card(0.0, 0.0, 0.0, 0.0)
 CIRCUIT = build(values(), 50e-6)
@@ -40,7 +43,7 @@ def asking(law, own):
 
 @pytest.mark.parametrize("zeta", [0.3, 1.0, 1.7])
 def test_the_spool_moves_by_its_exact_matrix(zeta: float):
-    valve = DRIVE.valve._replace(damping=zeta)
+    valve = of_kind(DRIVE.valve, SpoolValve)._replace(damping=zeta)
     omega = valve.natural_frequency
     exact = expm(3e-4 * np.array([[0.0, 1.0], [-(omega**2), -2.0 * zeta * omega]]))
     assert np.array(pace_of(valve, 3e-4)[1:]).reshape(2, 2) == pytest.approx(exact, rel=1e-6)
@@ -93,7 +96,8 @@ def test_a_delay_of_whole_periods_shifts_the_motion_and_nothing_else():
 def test_friction_holds_what_it_can():
     """A push below the seal's limit does not move the piston by a bit; one above it does."""
     p_lower = held_force(DRIVE.load, 0.1) / DRIVE.cylinder.area_lower
-    most = DRIVE.seal.limit * p_lower * DRIVE.seal.width * DRIVE.seal.perimeter
+    seal = of_kind(DRIVE.seal, Seal)
+    most = seal.limit * p_lower * seal.width * seal.perimeter
     for share, moves in ((0.9, False), (1.1, True)):
         pushed = DRIVE._replace(
             load=DRIVE.load._replace(force=DRIVE.load.force + share * most),
@@ -155,3 +159,16 @@ def test_runs_last_long_enough():
     assert [lasting(*times) for times in ((0.01, 0.0), (0.5, 0.0), (0.01, 5.0))] == pytest.approx([20.0, 100.0, 50.0])
     with pytest.raises(ValueError, match="beyond the theory"):
         lasting(60.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("part", "kind", "said"),
+    [
+        ("valve", "servo", r"no servo valve: take valve\.kind = 'proportional'"),
+        ("load", "compliant", r"one mass: take load\.kind = 'environment'"),
+        ("friction", "lugre", r"no bristles: take friction\.kind = 'stribeck'"),
+    ],
+)
+def test_what_the_reduced_drive_leaves_out_is_refused(part: str, kind: str, said: str):
+    with pytest.raises(ValueError, match=said):
+        reduced(build(values({part: {"kind": kind}}), 50e-6))

@@ -218,7 +218,8 @@ def _powers(state: State, kinds: Kinds) -> Iterator[np.ndarray]:
 def _as_compiled(parts: Any) -> Any:
     """The same numbers, which divided by zero give infinity as in compiled code."""
     if isinstance(parts, tuple):
-        return parts._make(map(_as_compiled, parts)) if hasattr(parts, "_make") else tuple(map(_as_compiled, parts))
+        made = map(_as_compiled, parts)
+        return type(parts)(*made) if hasattr(parts, "_fields") else tuple(made)
     return np.float64(parts) if isinstance(parts, float) else parts
 
 

@@ -40,8 +40,8 @@ def trajectory(step: float, *changes: str) -> Columns:
     """True values of the drive at a step [s], in the other model's columns, every millisecond."""
     scenario = load("ehla", [f"loop.step={step!r}", *changes])
     states = [m.message for tick in exchange(*sides(scenario), scenario.ticks) for m in tick if m.topic == "state"]
-    found = {name: np.array([getattr(s, own) for s in states]) + add for name, (own, add) in COMPARED.items()}
-    return {"time_s": 1e-3 * np.arange(len(states)), **found}
+    found = {name: np.array([getattr(s, own) for s in states], float) + add for name, (own, add) in COMPARED.items()}
+    return {"time_s": 1e-3 * np.arange(float(len(states))), **found}
 
 
 def deviations(ours: Columns, model: Columns) -> dict[str, float]:

@@ -16,6 +16,7 @@ from bridge.scenario import load
 from twin.actuator import chamber_volumes
 from twin.circuit.block import advance, block_of, buffers, compiled
 from twin.circuit.build import build
+from twin.circuit.kinds import of_kind
 from twin.circuit.state import (
     State,
     flatten,
@@ -23,7 +24,13 @@ from twin.circuit.state import (
     unflatten,
 )
 from twin.circuit.step import Circuit
+from twin.cylinder import Cylinder
+from twin.load import Load
+from twin.pump import Pump
+from twin.relief.network import Relief
 from twin.rig import values
+from twin.seal import Seal
+from twin.spool_valve import SpoolValve
 from twin.topology import ENDS, OBSERVED
 
 Array = NDArray[np.float64]
@@ -43,6 +50,30 @@ def circuit(step: float = 50e-6, **parts: Any) -> Circuit:
     """The rig of the tests with some of its values replaced, e.g. load={"mass": 302.0}."""
     replaced = {part: {**bench().get(part, {}), **parts.get(part, {})} for part in {**bench(), **parts}}
     return build(values(replaced), step)
+
+
+def cylinder_of(c: Circuit) -> Cylinder:
+    return of_kind(c.parts.cylinder, Cylinder)
+
+
+def load_of(c: Circuit) -> Load:
+    return of_kind(c.parts.load, Load)
+
+
+def pump_of(c: Circuit) -> Pump:
+    return of_kind(c.parts.supply, Pump)
+
+
+def relief_of(c: Circuit) -> Relief:
+    return of_kind(c.parts.relief, Relief)
+
+
+def seal_of(c: Circuit) -> Seal:
+    return of_kind(c.parts.seal, Seal)
+
+
+def valve_of(c: Circuit) -> SpoolValve:
+    return of_kind(c.parts.valve, SpoolValve)
 
 
 @cache
@@ -83,12 +114,12 @@ def energy(s: State, c: Circuit) -> float:
     In a moving chamber the oil's share is right within p/2B. A line's flow is known half a step before and after: what
     the scheme keeps is their product.
     """
-    lines, cylinder = c.lines, c.parts.cylinder
+    lines, cylinder, load = c.lines, cylinder_of(c), load_of(c)
     p = s.ends.pressure[: len(ENDS)].reshape(-1, 2)
     after = s.memory[lines.lumped_place + FLOW]
     before = after - c.parts.step / lines.inertance * (p[:, 0] - p[:, 1])
     oil = float((0.25 * lines.capacity * (p**2).sum(axis=1) + 0.5 * lines.inertance * after * before).sum())
-    x, load, at = s.piston.position, c.parts.load, pressures(s)
+    x, at = s.piston.position, pressures(s)
     volume = chamber_volumes(x, cylinder)
     chambers = 0.5 * (volume.lower * at.lower**2 + volume.upper * at.upper**2) / cylinder.bulk_modulus
     return oil + chambers + 0.5 * load.mass * s.piston.velocity**2 + load.mass * load.gravity * x

@@ -12,6 +12,8 @@ from tests.support.plant import (
     SMOOTH,
     TIGHT,
     circuit,
+    cylinder_of,
+    pump_of,
     run,
     states,
 )
@@ -40,7 +42,7 @@ def test_piston_rises_with_the_oil_of_the_pump(mass: float, leak: float):
     c = circuit(pump=SMOOTH, seal=FRICTIONLESS, cylinder={"leakage_resistance": leak}, load={"mass": mass})
     end = rising(c)
     p = pressures(end)
-    oil = pump_flow(p.pump, 1.0, c.parts.supply) - (p.lower - p.upper) / leak
+    oil = pump_flow(p.pump, 1.0, pump_of(c)) - (p.lower - p.upper) / leak
     assert end.core.relief.flow == 0.0
     assert end.piston.velocity == pytest.approx(oil / c.parts.cylinder.area_lower, rel=1e-3)
 
@@ -87,7 +89,7 @@ def test_a_leaking_cylinder_sinks_at_the_rate_of_the_leak(mass: float, mm_per_s:
     c = circuit(seal=FRICTIONLESS, load={"mass": mass})
     start = run(equilibrium(c, 0.02), 0.0, c, 2.0)
     end = run(start, 0.0, c, 4.0)
-    p, cylinder = pressures(end), c.parts.cylinder
+    p, cylinder = pressures(end), cylinder_of(c)
     speed = (p.lower - p.upper) * cylinder.leakage / cylinder.area_lower
     speed /= 1.0 + p.lower / cylinder.bulk_modulus
     assert p.upper == -1 * BAR
@@ -107,7 +109,7 @@ def test_shut_valve_rings_at_the_oil_spring_frequency(mass: float):
     """
     short = {"length": 0.02, "model": "lumped"}
     c = circuit(2e-6, seal=FRICTIONLESS, cylinder=TIGHT, load={"mass": mass}, pipe_3=short, pipe_4=short)
-    start, cylinder = equilibrium(c, 0.135), c.parts.cylinder
+    start, cylinder = equilibrium(c, 0.135), cylinder_of(c)
     p, volumes = pressures(start), chamber_volumes(0.135, cylinder)
     stiffness = sum(
         area**2 * (1.0 + at / cylinder.bulk_modulus) / (volume / cylinder.bulk_modulus + c.lines.capacity[line])

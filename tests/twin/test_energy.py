@@ -14,6 +14,7 @@ from tests.support.plant import (
     TIGHT,
     circuit,
     energy,
+    load_of,
     pipes,
     run,
     states,
@@ -40,7 +41,7 @@ def test_a_closed_circuit_rings_without_gain_or_loss():
     """36 s, a thousand periods of the load on its oil: the energy of a push of 50 mm/s stays within 1 %, (omega h)^2/4
     of the fastest mode and p/2B of the moving chambers, from the first period to the last."""
     c = closed()
-    rest, push = equilibrium(c, 0.135), 0.5 * c.parts.load.mass * 0.05**2
+    rest, push = equilibrium(c, 0.135), 0.5 * load_of(c).mass * 0.05**2
     pushed, base = rest.with_core(piston=Piston(0.135, 0.05)), energy(rest, c)
     first = [energy(s, c) - base for s in states(pushed, 0.0, c, 0.2)]
     last = [energy(s, c) - base for s in states(run(pushed, 0.0, c, 36.0), 0.0, c, 0.2)]

@@ -12,6 +12,8 @@ from tests.support.plant import (
     TIGHT,
     circuit,
     pipes,
+    pump_of,
+    relief_of,
     run,
 )
 from twin.circuit.equilibrium import equilibrium, supply_at_rest
@@ -52,10 +54,8 @@ def test_relief_valve_carries_what_the_pump_gives(speed: float, efficiency: floa
     """From a pump at rest, or one whose leak takes all before the relief valve opens, to full speed."""
     c = circuit(pump={"speed": speed, "efficiency": efficiency})
     pump, tee, relieved, idle = supply_at_rest(c)
-    assert relieved == pytest.approx(steady_flow(tee, c.parts.relief), rel=1e-12)
-    assert relieved + idle == pytest.approx(
-        pumped_oil(pump, 1.0, c.parts.supply, c.parts.oil.bulk_modulus)[0], abs=1e-12
-    )
+    assert relieved == pytest.approx(steady_flow(tee, relief_of(c)), rel=1e-12)
+    assert relieved + idle == pytest.approx(pumped_oil(pump, 1.0, pump_of(c), c.parts.oil.bulk_modulus)[0], abs=1e-12)
 
 
 def test_through_a_tandem_centre_the_pump_idles_to_the_tank():

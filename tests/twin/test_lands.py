@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.plant import BAR
+from tests.support.plant import BAR, circuit, valve_of
 from twin.lands import Lands, Ports, land_flows
 from twin.oil import Oil
 from twin.orifice import Orifice, resistance
@@ -99,9 +99,7 @@ def test_lands_that_overlap_meet_and_others_leave_the_pump_alone(opens: float, s
 
 
 def test_the_closed_centre_has_no_way_from_p_to_t():
-    from tests.support.plant import circuit
-
-    valve = circuit().parts.valve
+    valve = valve_of(circuit())
     for s in (-1.0, -0.05, 0.0, 0.5):
         assert closed_centre_lands(s, valve).p_t == 0.0
     assert closed_centre_lands(0.05, valve) == Lands(0.0, 0.0, 0.0, 0.0, 0.0)

@@ -12,8 +12,10 @@ from tests.support.plant import (
     SMOOTH,
     TIGHT,
     circuit,
+    cylinder_of,
     pipes,
     run,
+    valve_of,
 )
 from twin.actuator import chamber_volumes
 from twin.circuit.equilibrium import equilibrium
@@ -118,12 +120,12 @@ def test_edge_point_downwards_by_hand():
 @pytest.mark.parametrize("edge", ["+", "-"])
 def test_edge_gain_is_the_flow_of_one_percent_of_opening(edge: str):
     """The turbulent slope, against the transition law at 1 % of the travel: 1 % apart."""
-    point = edge_point(C, 0.1, edge)
+    point, valve = edge_point(C, 0.1, edge), valve_of(C)
     p = pressures(point)
     for land in lands(to_vector(point), C, edge):
         source, sink = LANDS[land.name]
         drop = p[source] - p[sink]
-        one_percent = flow(drop, 0.01 / 0.9 * C.parts.valve.area, C.parts.valve.orifice, C.parts.oil)
+        one_percent = flow(drop, 0.01 / 0.9 * valve.area, valve.orifice, C.parts.oil)
         assert abs(land.by_spool) * 0.01 == pytest.approx(one_percent, rel=0.03)
         assert math.copysign(1.0, land.by_spool) == (1.0 if edge == "+" else -1.0)
         assert land.by_drop == 0.0
@@ -156,7 +158,7 @@ def short_pipes() -> dict[str, dict[str, float]]:
 def test_natural_frequency_is_that_of_the_oil_springs(mass: float):
     """m omega^2 = A_l^2/C_l + A_u^2/C_u; S = V (1 + p/B) makes each spring stiffer by 1 + p/B, here below 0.3 %."""
     c = circuit(1e-7, cylinder=TIGHT, load={"mass": mass}, **short_pipes())
-    cylinder = c.parts.cylinder
+    cylinder = cylinder_of(c)
     v_lower, v_upper = chamber_volumes(0.135, cylinder)
     stiffness = sum(
         area**2 / (volume / cylinder.bulk_modulus + c.lines.capacity[2])

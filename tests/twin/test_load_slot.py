@@ -52,8 +52,8 @@ def test_a_constant_force_reaches_the_speed_at_which_the_dampers_hold_it():
     assert end_of(held, lambda _: 3000.0, (0.0, 0.0), 2e-3, 500)[1] == pytest.approx(1.0, rel=1e-9)
 
 
-def link(**changes: float) -> Compliant:
-    return Compliant(30.0, 60.0, 1e6, 500.0, 0.0, 0.0, FREE)._replace(**changes)
+def link(around: Environment = FREE, **changes: float) -> Compliant:
+    return Compliant(30.0, 60.0, 1e6, 500.0, 0.0, 0.0, around)._replace(**changes)
 
 
 def test_two_free_masses_keep_their_momentum_and_swing_at_their_frequency():

@@ -1,6 +1,7 @@
 """The circuit with a counterbalance valve at A and cushioned ends: oil, energy, what holds, what brakes."""
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,7 +75,8 @@ def test_energy_is_never_created(bars: tuple[float, ...]):
     never rises above its lowest value by more than 0.3 % of what was in motion, p/2B of the moving chambers."""
     bare = {"oil": {"cavitation": "none"}, "pump": {"speed": 0.0, "efficiency": 1.0}, "relief": {"kind": "none"}}
     unfitted = {"filter": {"drop": 0.0}, "two_position_valve": {"drop": 0.0}}
-    parts = {"seal": FRICTIONLESS, "cylinder": TIGHT} | bare | unfitted | pipes(model="lumped", friction="none")
+    parts: dict[str, Any] = {"seal": FRICTIONLESS, "cylinder": TIGHT} | bare | unfitted
+    parts |= pipes(model="lumped", friction="none")
     c = circuit(accessory_a=HOLDING, cushion=CUSHION, **parts)
     a, lower, upper, b = (bar * BAR for bar in bars)
     at = Pressures(0.0, 0.0, 0.0, a, lower, upper, b, 0.0, 0.0)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.support.plant import BAR, SMOOTH, TIGHT, circuit, run, states, watched
+from tests.support.plant import BAR, SMOOTH, TIGHT, circuit, cylinder_of, run, states, watched
 from twin.actuator import chamber_volumes
 from twin.air import Air, NoAir, compressibility, effective_bulk_modulus
 from twin.circuit.build import build, rebuild
@@ -63,7 +63,7 @@ def test_a_load_swings_softer_on_oil_with_air():
     )
     crossed = np.flatnonzero(np.diff(np.sign(x - x.mean())) > 0)
     omega = 2.0 * math.pi * (len(crossed) - 1) / ((crossed[-1] - crossed[0]) * 10e-6)
-    own, p = c.parts.cylinder, pressures(start)
+    own, p = cylinder_of(c), pressures(start)
     volume = chamber_volumes(0.135, own)
     b, line = own.bulk_modulus, float(c.lines.capacity[2])
     kappa = [compressibility(air, b, p.lower), compressibility(air, b, p.upper)]

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.plant import circuit
+from tests.support.plant import circuit, valve_of
 from twin.oil import Oil
 from twin.orifice import Orifice, area_for, flow, flow_slopes, quadratic_flow, resistance
 
@@ -67,5 +67,6 @@ def test_area_for_is_the_inverse_of_the_flow(rated: float, drop: float):
 
 
 def test_open_valve_passes_30_l_per_min_at_10_bar_over_both_lands():
-    c = circuit().parts
-    assert flow(5e5, c.valve.area, c.valve.orifice, c.oil) * 6e4 == pytest.approx(30.0, rel=1e-12)
+    c = circuit()
+    valve = valve_of(c)
+    assert flow(5e5, valve.area, valve.orifice, c.parts.oil) * 6e4 == pytest.approx(30.0, rel=1e-12)

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.plant import BAR, circuit
+from tests.support.plant import BAR, circuit, pump_of
 from twin.pump import displacement, pump_flow, pumped_oil, ripple_flow, ripple_volume, speed_ratio, teeth_passed
 
-PUMP = circuit().parts.supply
+PUMP = pump_of(circuit())
 GEAR = (63e-3, 2.6e-3, 9.0, math.radians(20.0))
 OMEGA = 2.0 * math.pi * 1230.0 / 60.0
 

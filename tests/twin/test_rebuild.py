@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.plant import pipes
+from tests.support.plant import cylinder_of, pipes, relief_of
 from twin.circuit.block import compiled
 from twin.circuit.build import MADE, SCREW, build, rebuild
 from twin.circuit.equilibrium import equilibrium
@@ -43,12 +43,13 @@ def test_every_number_makes_the_circuit_that_a_new_rig_has():
 def test_a_worn_nozzle_or_warm_oil_does_not_turn_the_screw():
     """The preload of the pilot's spring stays; a new setting changes it."""
     before = build(values(), STEP)
-    preload = before.parts.relief.pilot.preload
+    preload = relief_of(before).pilot.preload
     for name in ("relief.nozzle_diameter", "relief.loss_factor", "oil.temperature"):
         then = rebuild(before, changed(name), name)
-        assert then.parts.relief.pilot.preload == pytest.approx(preload, rel=1e-14)
+        assert relief_of(then).pilot.preload == pytest.approx(preload, rel=1e-14)
         assert then.parts.relief != before.parts.relief
-    assert rebuild(before, changed("relief.setting"), "relief.setting").parts.relief.pilot.preload > 1.001 * preload
+    reset = rebuild(before, changed("relief.setting"), "relief.setting")
+    assert relief_of(reset).pilot.preload > 1.001 * preload
 
 
 def test_warm_oil_leaves_the_areas_of_the_valve():
@@ -75,6 +76,6 @@ def test_softer_oil_keeps_its_volume_and_takes_its_pressure():
         inside = place + np.array([3, 4])
         held = [c.lines.capacity[line] * s.memory[inside] for c, s in ((before, start), (after, then))]
         assert held[1] == pytest.approx(held[0], rel=1e-14)
-    modulus = after.parts.cylinder.bulk_modulus / before.parts.cylinder.bulk_modulus
+    modulus = cylinder_of(after).bulk_modulus / cylinder_of(before).bulk_modulus
     assert modulus < 0.7
     assert then.ends.pressure[LOWER] == pytest.approx(modulus * start.ends.pressure[LOWER], rel=1e-9)

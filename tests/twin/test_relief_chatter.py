@@ -9,6 +9,7 @@ from bridge.figures.valve.spectrum import (
     heard,
     theory,
 )
+from tests.support.plant import relief_of
 from tests.support.relief_valve import (
     BAR,
     FLOW,
@@ -218,8 +219,8 @@ def test_a_housing_takes_what_the_bodies_give():
     """Momentum: the mean acceleration over a run is the change of the bodies' momentum, and a sine has its rms."""
     circuit = build(values({"relief": {"channel_volume": 10 * CM3}}), 25e-6)
     found = shake(equilibrium(circuit, 0.1), circuit, 10e-3)
-    a = reaction(found, circuit.parts.relief, 8.0)
-    v = circuit.parts.relief
+    v = relief_of(circuit)
+    a = reaction(found, v, 8.0)
     momentum = v.pilot.mass * found.pilot_speed + v.main.mass * found.spool_speed
     assert a.sum() * found.step * 8.0 == pytest.approx(-(momentum[-1] - momentum[0]), rel=1e-9)
     assert thrust(found, 1e-4, 8.0).mean() == pytest.approx(0.0, abs=1e-9)

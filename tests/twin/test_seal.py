@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.plant import BAR, FRICTIONLESS, circuit
+from tests.support.plant import BAR, FRICTIONLESS, circuit, seal_of
 from twin.integration import integrate
 from twin.seal import friction, friction_limit, slide
 
-SEAL = circuit(seal={"diameter": 82e-3, "downward": 1.0}).parts.seal  # a seal each on piston and rod, alike both ways
+SEAL = seal_of(circuit(seal={"diameter": 82e-3, "downward": 1.0}))  # a seal each on piston and rod, alike both ways
 STEP = 25e-6
 SPEED = st.floats(-1.0, 1.0)
 
@@ -72,7 +72,7 @@ def test_friction_alone_dissipates_and_never_turns_the_motion_round(speed: float
 
 @given(SPEED, st.floats(-5e3, 5e3))
 def test_without_friction_it_is_newtons_law(speed: float, drive: float):
-    off = circuit(seal=FRICTIONLESS).parts.seal
+    off = seal_of(circuit(seal=FRICTIONLESS))
     assert slide(speed, drive, 120.0, 25 * BAR, off, STEP) == speed + STEP * drive / 120.0
 
 

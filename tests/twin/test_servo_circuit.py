@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.support.plant import BAR, FRICTIONLESS, SMOOTH, TIGHT, circuit, pipes, run, watched
+from tests.support.plant import BAR, FRICTIONLESS, SMOOTH, TIGHT, circuit, load_of, pipes, run, watched
 from twin.actuator import outside
 from twin.circuit.block import advance
 from twin.circuit.equilibrium import equilibrium, supply_at_rest
@@ -71,7 +71,7 @@ def test_edge_point_of_asymmetric_lands(edge: str, ratio: float):
     c = servo(ratio_p_a=0.5, ratio_a_t=0.5, leakage=0.0)
     p, cylinder = pressures(edge_point(c, 0.1, edge)), c.parts.cylinder
     weight = cylinder.area_lower * p.lower - cylinder.area_upper * p.upper
-    assert weight == pytest.approx(c.parts.load.mass * c.parts.load.gravity, abs=1e-3)
+    assert weight == pytest.approx(load_of(c).mass * load_of(c).gravity, abs=1e-3)
     areas = cylinder.area_upper / cylinder.area_lower
     found = p.upper / (p.p - p.lower) if edge == "+" else p.lower / (p.p - p.upper)
     assert found == pytest.approx((ratio * (areas if edge == "+" else 1.0 / areas)) ** 2, rel=1e-9)
@@ -93,7 +93,7 @@ def test_linear_valve_is_that_of_its_data_sheet():
         system = linearise(moving_point(c, 0.1, 0.05), None, circuit=c)
         for hertz in (5.0, 80.0):
             s = 2j * math.pi * hertz
-            x = np.linalg.solve(s * np.eye(19) - system.A, system.B[:, 0])[STATES.index("spool")]
+            x = np.linalg.solve(s * np.eye(19) - system.A, np.asarray(system.B)[:, 0])[STATES.index("spool")]
             assert x == pytest.approx(sheet(s), rel=1e-9)
 
 

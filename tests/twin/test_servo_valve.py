@@ -49,8 +49,9 @@ def valve(
     **numbers: Any,
 ) -> ServoValve:
     area = rated_area(RATED, DROP, leak, orifice, OIL)
-    lands = [Edge(lap, ratio * area, ratio * leak) for lap, ratio in zip(laps, ratios, strict=True)]
-    plain = ServoValve(STILL, opening, *lands, tightening(0.5e-3, 3e-6), 0.0, 0.0, orifice)
+    lands = (Edge(lap, ratio * area, ratio * leak) for lap, ratio in zip(laps, ratios, strict=True))
+    p_a, b_t, p_b, a_t = lands
+    plain = ServoValve(STILL, opening, p_a, b_t, p_b, a_t, tightening(0.5e-3, 3e-6), 0.0, 0.0, orifice)
     return plain._replace(**numbers)
 
 
@@ -69,7 +70,8 @@ def flows(valve: ServoValve, spool: float, p: tuple[float, ...], z: tuple[float,
     """Flows [m^3/s] between ports of free pressures [Pa]."""
     out = np.zeros((1, 5))
     _flows(valve, np.array([spool]), np.array([p]), np.array([z]), np.zeros(VALVE_MEMORY), out)
-    return Lands(*(float(q) for q in out[0, :4]), 0.0)
+    p_a, b_t, p_b, a_t = out[0, :4].tolist()
+    return Lands(p_a, b_t, p_b, a_t, 0.0)
 
 
 @pytest.mark.parametrize("orifice", [TURBULENT, Orifice(0.61, 30.0)])

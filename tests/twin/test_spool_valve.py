@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.plant import circuit
+from tests.support.plant import circuit, valve_of
 from twin.spool_valve import move_spool, opening
 
 H = 50e-6
-VALVE = circuit(H).parts.valve
+VALVE = valve_of(circuit(H))
 UNIT = st.floats(-1.0, 1.0)
 
 

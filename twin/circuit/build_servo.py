@@ -25,15 +25,16 @@ def servo_valve(valve: Entries, oil: Oil, step: float) -> ServoValve:
     orifice = Orifice(valve["discharge"], valve["transition"])
     leak = valve["leakage"] / valve["leakage_pressure"] * valve["leakage_viscosity"] / oil.viscosity
     area = rated_area(valve["rated_flow"], valve["rated_drop"], leak, orifice, oil)
-    shares = [(valve[f"overlap_{land}"], valve[f"ratio_{land}"]) for land in LANDS]
+    ratios = {land: valve[f"ratio_{land}"] for land in LANDS}
+    edges = {land: Edge(valve[f"overlap_{land}"], ratio * area, ratio * leak) for land, ratio in ratios.items()}
     return ServoValve(
-        _motion(valve, step),
-        _opening(valve),
-        *(Edge(overlap, ratio * area, ratio * leak) for overlap, ratio in shares),
-        tightening(valve["travel"], valve["clearance"]),
-        valve["null_bias"],
-        valve["flow_force"] / (area * valve["rated_drop"]),
-        orifice,
+        motion=_motion(valve, step),
+        opening=_opening(valve),
+        **edges,
+        tightening=tightening(valve["travel"], valve["clearance"]),
+        null_bias=valve["null_bias"],
+        flow_force=valve["flow_force"] / (area * valve["rated_drop"]),
+        orifice=orifice,
     )
 
 

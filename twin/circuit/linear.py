@@ -181,7 +181,7 @@ def linearise(
 def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0) -> Array:
     """Slopes of `vector_rates` by STATES, where pressures stand still; edge as in `linearise`."""
     c = circuit.parts
-    a = np.zeros((len(STATES), len(STATES)))
+    a: Array = np.zeros((len(STATES), len(STATES)))
     a[FLOW:X] = _line_slopes(y, circuit)
     a[:FLOW] = _inflow_slopes(y, circuit, edge, a[FLOW:X]) / _capacities(y, circuit)[:, None]
     _add_motion(a, y, circuit, viscous)
@@ -193,7 +193,7 @@ def jacobian(y: Array, circuit: Circuit, edge: str | None, viscous: float = 0.0)
 
 def _force_slopes(y: Array, circuit: Circuit, edge: str | None) -> Array:
     """Slopes of the force of the flow on the spool, in shares of the command."""
-    slopes = np.zeros(len(STATES))
+    slopes: Array = np.zeros(len(STATES))
     for land in lands(y, circuit, edge):
         source, sink = LANDS[land.name]
         slopes[[source, sink, S]] += land.force_by_drop, -land.force_by_drop, land.force_by_spool
@@ -202,7 +202,8 @@ def _force_slopes(y: Array, circuit: Circuit, edge: str | None) -> Array:
 
 def _line_slopes(y: Array, circuit: Circuit) -> Array:
     """Slopes of the rates of the flows, a row per line."""
-    c, lines, a = circuit.parts, circuit.lines, np.zeros((X - FLOW, len(STATES)))
+    c, lines = circuit.parts, circuit.lines
+    a: Array = np.zeros((X - FLOW, len(STATES)))
     for line, (source, sink) in enumerate(LINE_ENDS):
         q = float(y[FLOW + line])
         a[line, FLOW + line] = -line_slope(lines, line, q) - (fitting_slope(q, c.fitting) if line == 1 else 0.0)
@@ -218,11 +219,14 @@ def _line_slopes(y: Array, circuit: Circuit) -> Array:
 
 def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None, of_lines: Array) -> Array:
     """Slopes of C p' = S' - V' S/V, a row per place; of_lines: those of the rates of the flows."""
-    c, lines, slopes = circuit.parts, circuit.lines, np.zeros((FLOW, len(STATES)))
+    c, lines = circuit.parts, circuit.lines
+    slopes: Array = np.zeros((FLOW, len(STATES)))
     _refuse_link(c.load)
     for line, (source, sink) in enumerate(LINE_ENDS):
-        through = 0.5 * lines.step * of_lines[line] if lines.model[line] == VOLUME else np.zeros(len(STATES))
-        through[FLOW + line] += 1.0
+        through: Array = np.zeros(len(STATES))
+        through[FLOW + line] = 1.0
+        if lines.model[line] == VOLUME:
+            through += 0.5 * lines.step * of_lines[line]
         slopes[source] -= through
         if sink >= 0:
             slopes[sink] += through
@@ -275,7 +279,7 @@ def _refuse_link(load: AnyLoad) -> None:
 
 def lands(y: Array, circuit: Circuit, edge: str | None) -> list[LandSlope]:
     """The lands that let oil through at a vector of STATES, or those at whose edge the spool stands."""
-    drop = Lands(*(float(y[source] - y[sink]) for source, sink in LANDS.values()), 0.0)
+    drop = Lands(**{name: float(y[source] - y[sink]) for name, (source, sink) in LANDS.items()}, p_t=0.0)
     if edge:
         return edge_slopes(circuit.parts.valve, edge, drop, circuit.parts.oil)
     return land_slopes(circuit.parts.valve, float(y[S]), drop, circuit.parts.oil)

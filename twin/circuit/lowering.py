@@ -96,26 +96,50 @@ def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit
     parts, lower = circuit.parts, held == "accessory_a"
     b = parts.oil.bulk_modulus
     a_held, a_driven = interpreted(areas)(parts.cylinder, position)[:: 1 if lower else -1]
-    out_of, into = (2, 3) if lower else (3, 2)  # lines
     lands, orifice = interpreted(lands_at)(parts.valve, spool), land_orifice(parts.valve)
     to_driven, to_tank = (lands.p_b, lands.a_t) if lower else (lands.p_a, lands.b_t)
-    q_driven, p_driven = a_driven * speed, 0.0
-    for _ in range(3):
-        tee = _tee(q_driven, circuit)
-        p_p = tee - cracking_drop(parts.check) - fitting_resistance(q_driven, parts.fitting) * q_driven
-        p_p -= line_drop(1, q_driven, circuit)
-        p_b = p_p - _edge(q_driven, *resistance(to_driven, orifice, parts.oil))
-        p_pilot = p_b - line_drop(into, q_driven, circuit)
-        p_driven = p_pilot - drop_into(q_driven, "accessory_b" if lower else "accessory_a", circuit)
-        q_driven = a_driven * speed * (1.0 + p_driven / b)
+    driven = _way_in(a_driven * speed, to_driven, lower, circuit)
+    for _ in range(2):
+        driven = _way_in(a_driven * speed * (1.0 + driven.p_driven / b), to_driven, lower, circuit)
     weight = moved_weight(parts.load, position)
-    p_held = ((weight if lower else -weight) + a_driven * p_driven) / a_held
+    p_held = ((weight if lower else -weight) + a_driven * driven.p_driven) / a_held
     q_held = a_held * speed * (1.0 + p_held / b)
     p_t = line_drop(4, q_held, circuit) + line_drop(5, q_held, circuit) + steady_end(parts.return_end, q_held, 0.0)
     p_a = p_t + _edge(q_held, *resistance(to_tank, orifice, parts.oil))
-    p_line = p_a + line_drop(out_of, q_held, circuit)
-    pressures = p_held, p_driven, p_line, p_pilot, p_a, p_b, p_p, p_t, tee
-    return Lowering(held, speed, position, spool, *pressures, q_held, q_driven)
+    return Lowering(
+        held=held,
+        speed=speed,
+        position=position,
+        spool=spool,
+        p_held=p_held,
+        p_line=p_a + line_drop(2 if lower else 3, q_held, circuit),
+        p_a=p_a,
+        p_t=p_t,
+        q_held=q_held,
+        q_driven=a_driven * speed * (1.0 + driven.p_driven / b),
+        **driven._asdict(),
+    )
+
+
+class _WayIn(NamedTuple):
+    """Pressures [Pa] from the tee to the driven chamber, by the names of `Lowering`."""
+
+    tee: float
+    p_p: float
+    p_b: float
+    p_pilot: float
+    p_driven: float
+
+
+def _way_in(q: float, land: float, lower: bool, circuit: Circuit) -> _WayIn:
+    """What a flow [m^3/s] loses on its way; land: the open area [m^2] to the driven chamber, lower: the other holds."""
+    parts = circuit.parts
+    tee = _tee(q, circuit)
+    p_p = tee - cracking_drop(parts.check) - fitting_resistance(q, parts.fitting) * q
+    p_p -= line_drop(1, q, circuit)
+    p_b = p_p - _edge(q, *resistance(land, land_orifice(parts.valve), parts.oil))
+    p_pilot = p_b - line_drop(3 if lower else 2, q, circuit)
+    return _WayIn(tee, p_p, p_b, p_pilot, p_pilot - drop_into(q, "accessory_b" if lower else "accessory_a", circuit))
 
 
 def _edge(q: float, a: float, b: float) -> float:

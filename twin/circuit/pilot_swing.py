@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.circuit.equilibrium import supply_at_rest
+from twin.circuit.kinds import of_kind
 from twin.circuit.step import Circuit
 from twin.lines.bank import VOLUME
 from twin.lines.theory import losses
@@ -38,10 +39,11 @@ def pilot_swings(rig: Mapping[str, Any], circuit: Circuit, flow: float | None = 
     """Growth [1/s] and frequency [Hz] of the oscillations of the rig's pilot at rest, the fastest growing first.
 
     flow: over the relief valve [m^3/s]; None: what the pump sends over it with the valve at rest. Raises ValueError
-    where the relief valve is shut.
+    where the relief valve is shut, or has no pilot.
     """
     parts, supply = circuit.parts, supply_at_rest(circuit)
-    tee, over = (supply.tee, supply.relieved) if flow is None else (steady_pressure(flow, parts.relief), flow)
+    valve = of_kind(parts.relief, Relief)
+    tee, over = (supply.tee, supply.relieved) if flow is None else (steady_pressure(flow, valve), flow)
     leakage = -steady_supply(parts.supply, supply.pump, 1.0, parts.oil)[1]
     lost = 2.0 * loss_at_end(parts.losses, 0) * (over + supply.idle)
     first, second = (float(rig[pipe]["diameter"]) for pipe in ("pipe_1", "pipe_2"))
@@ -51,7 +53,7 @@ def pilot_swings(rig: Mapping[str, Any], circuit: Circuit, flow: float | None = 
         behind = line_admittance(s, 1, second, 0.0, circuit)
         return 1.0 / (supplied / (1.0 + lost * supplied) + behind / (1.0 + parts.fitting.linear * behind))
 
-    return swings_with_lines(tee, impedance, parts.relief)
+    return swings_with_lines(tee, impedance, valve)
 
 
 class SelfExcited(NamedTuple):

@@ -64,8 +64,9 @@ def moments(time: Array, columns: Columns, circuit: Circuit) -> dict[str, float]
     """When [s] the piston met the weight, ran into its upper stop; NaN for what did not happen."""
     load, stroke = circuit.parts.load, circuit.parts.cylinder.stroke
     position = columns["position"]
-    waits = isinstance(load, Load) and load.added > 0.0
-    met = position >= load.support if waits else np.zeros(len(position), bool)
+    met = np.zeros(len(position), bool)
+    if isinstance(load, Load) and load.added > 0.0:
+        met = position >= load.support
     return {"contact": _onset(time, met), "impact": _onset(time, position >= stroke - REACHED)}
 
 

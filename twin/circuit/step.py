@@ -52,8 +52,9 @@ from twin.necked_cylinder import fill_behind_necks
 from twin.oil import Oil
 from twin.port import Port, joined, with_cavity
 from twin.relief.motion import Motion
+from twin.relief.slot import AnyRelief
 from twin.return_end import AnyEnd, is_open_end, return_flow
-from twin.supply import supply_flow
+from twin.supply import Supply, supply_flow
 
 
 class Parts(NamedTuple):
@@ -61,10 +62,10 @@ class Parts(NamedTuple):
 
     step: float  # h [s]
     oil: Oil
-    supply: Any  # a Supply
+    supply: Supply
     tee_accumulator: AnyAccumulator
     p_accumulator: AnyAccumulator  # at port P; one of the two at most
-    relief: Any  # an AnyRelief
+    relief: AnyRelief
     relief_place: AtTee | OwnLine
     fitting: Fitting  # in line 2, at the tee
     check: AnyCheck  # behind it

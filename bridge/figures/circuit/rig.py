@@ -37,8 +37,9 @@ from bridge.scenario import load
 from bridge.scenario.fitted import Values, has_relief_line, is_motor, kind_of, positive_words, rod_at, rod_words
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium, supply_at_rest
+from twin.circuit.kinds import of_kind
 from twin.circuit.step import Circuit
-from twin.pump import pump_flow
+from twin.pump import Pump, pump_flow
 from twin.rig import values
 from twin.topology import ENDS, LINES
 
@@ -172,7 +173,7 @@ def _supply_words(rig: Values, circuit: Circuit) -> str:
         cut = f"\ncut-off {1e-5 * own['cut_off']:.0f} bar" if kind == "variable" else ""
         return f"{kind} pump\n{volume}\n{speed}{cut}"
     at = rig["pump"]["efficiency_pressure"]
-    flow = 6e4 * pump_flow(at, 1.0, circuit.parts.supply)
+    flow = 6e4 * pump_flow(at, 1.0, of_kind(circuit.parts.supply, Pump))
     return f"gear pump\n{60.0 * rig['pump']['speed']:.0f} rpm\n{flow:.1f} l/min\nat {1e-5 * at:.0f} bar"
 
 

@@ -21,17 +21,21 @@ from bridge.scenario.model import Daq
 from twin.circuit.block import block_of, buffers, compiled
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
+from twin.circuit.kinds import of_kind
 from twin.circuit.state import flatten
 from twin.circuit.step import Circuit
-from twin.rig import RIG, values
+from twin.load import Load
+from twin.rig import rig_number, values
 from twin.sensors import Card, acquire, card_of, noise_block
+from twin.spool_valve import SpoolValve
 from twin.topology import CHANNELS
 
 LOADS = (165.0, 213.0, 243.0, 299.0, 334.0)  # [kg], 2.3
 BEYOND = (0.002, 0.005, 0.008, 0.011, 0.016, 0.02, 0.025, 0.03, 0.04, 0.05, 0.065)  # the overlap; share of the travel
-STEEL = {name: RIG["pipe_1"][name].value for name in ("wall", "young")}
-MOUNTED = {"length": 0.2, "model": "lumped", **STEEL}  # [m], assumed; 3.5 steps of a wave, too short for `ends`
-LINES = {RIG["pipe_3"]["length"].value: {}, MOUNTED["length"]: {"pipe_3": MOUNTED, "pipe_4": MOUNTED}}
+NEAR = 0.2  # [m], assumed: from the valve on the cylinder to its chambers
+STEEL = {name: rig_number("pipe_1", name) for name in ("wall", "young")}
+MOUNTED = {"length": NEAR, "model": "lumped", **STEEL}  # 3.5 steps of a wave, too short for `ends`
+LINES = {rig_number("pipe_3", "length"): {}, NEAR: {"pipe_3": MOUNTED, "pipe_4": MOUNTED}}
 SMOOTH = {"pump": {"ripple": "none"}}
 START = {1.0: 0.03, -1.0: 0.24}  # [m], by direction: room to run
 STEP = 50e-6  # [s]
@@ -115,7 +119,7 @@ def runs() -> list[SpeedRun]:
     for line, mass in product(LINES, LOADS):
         circuit = bench(line, mass)
         for beyond, direction in product(BEYOND, START):
-            reference = direction * (circuit.parts.valve.overlap + beyond)
+            reference = direction * (of_kind(circuit.parts.valve, SpoolValve).overlap + beyond)
             made.append(SpeedRun(line, mass, reference, circuit, window_of(reference, direction, circuit)))
     return made
 
@@ -135,7 +139,7 @@ def read(run: SpeedRun, card: Card | None, block: int) -> tuple[float, ...]:
     samples = scan(run.taps, card, block)
     speed = np.polyfit(np.arange(SAMPLES) * SAMPLE * STEP, samples[:, POSITION], 1)[0]
     lower, upper = samples[:, [LOWER, UPPER]].mean(axis=0)
-    cylinder, load = run.circuit.parts.cylinder, run.circuit.parts.load
+    cylinder, load = run.circuit.parts.cylinder, of_kind(run.circuit.parts.load, Load)
     force = cylinder.area_lower * lower - cylinder.area_upper * upper - load.mass * load.gravity
     shown = verdict(run.taps)
     if card is not None and shown == STEADY and upper < LEAST_PRESSURE:

@@ -35,6 +35,7 @@ from bridge.figures.friction.power_law import (
     limited,
     on_slope,
 )
+from twin.circuit.kinds import of_kind
 from twin.seal import Seal
 
 MARKS = dict(zip(LINES, "so", strict=True))  # by line: hoses, valve on the cylinder
@@ -50,7 +51,7 @@ SPEEDS = (0.02, 0.04, 0.06)  # [m/s], of the law's lines in 2.5
 
 def rig_seal() -> Seal:
     """The rig's seal: the same in every run."""
-    return bench(LONG, LOADS[0]).parts.seal
+    return of_kind(bench(LONG, LOADS[0]).parts.seal, Seal)
 
 
 def speed_columns(test: Readings) -> Columns:

@@ -16,12 +16,15 @@ from bridge.drawing.canvas import Array, Columns, Sheet, label, remark, stack
 from bridge.loop.exchange import exchange, sides
 from bridge.scenario import Scenario, load
 from bridge.scenario.circuit import circuit_of
+from twin.circuit.kinds import of_kind
 from twin.circuit.step import Circuit
+from twin.cylinder import Cylinder
 from twin.lines.lab.attached import chamber, given
 from twin.lines.lab.coupled import CoupledLine, march_coupled
 from twin.lines.lab.friction import friction
 from twin.lines.lab.pipe import Pipe, elastic
 from twin.lines.lab.space import grid
+from twin.load import Load
 from twin.oil import fluid_modulus, kinematic_viscosity
 
 READ, SPAN = 1e-4, 0.3  # [s], from reading to reading, and of the run
@@ -97,8 +100,7 @@ def smooth(time: Array, values: Array) -> Callable[[float], float]:
 
 def coupled_line(circuit: Circuit, seen: dict[str, Array], cells: int = CELLS) -> CoupledLine:
     """Line 3 from the valve's end to the lower chamber with the piston."""
-    cylinder, weight = circuit.parts.cylinder, circuit.parts.load
-
+    cylinder, weight = of_kind(circuit.parts.cylinder, Cylinder), of_kind(circuit.parts.load, Load)
     upper, at_valve = (smooth(seen["stamp"], seen[name]) for name in ("p_upper", "p_a"))
     piston = chamber(
         cylinder.area_lower, cylinder.dead_lower, cylinder.bulk_modulus, weight.mass,

@@ -11,7 +11,7 @@ import numpy as np
 
 from bridge.drawing.canvas import Array, Columns, Sheet, label, remark, sheet
 from bridge.figures.oil.line_fit import Line, fit_line
-from twin.rig import RIG
+from twin.rig import rig_number
 
 WEIGHINGS = 13
 DEVIATION = 0.5 / 2.228  # of a mass [g] and of a volume [ml], 2.2.3
@@ -30,7 +30,7 @@ class Weighings(NamedTuple):
 
 def density() -> float:
     """The twin's own [kg/m^3]."""
-    return float(RIG["oil"]["density"].value)
+    return rig_number("oil", "density")
 
 
 def weigh(seed: int = SEED, deviation: float = DEVIATION) -> Weighings:

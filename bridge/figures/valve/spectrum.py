@@ -28,9 +28,11 @@ from twin.circuit.housing import (
     spectrum,
     thrust,
 )
+from twin.circuit.kinds import of_kind
 from twin.circuit.pilot_swing import pilot_swings
 from twin.circuit.state import State
 from twin.circuit.step import Circuit
+from twin.relief.network import Relief
 from twin.rig import values
 
 STEP = 25e-6  # [s]
@@ -85,7 +87,7 @@ def heard(case: str, ripple: bool) -> Heard:
     rig = values()
     housing = rig["chatter"]["housing_mass"]
     bore = math.pi / 4.0 * rig["pipe_1"]["diameter"] ** 2
-    bodies = reaction(run, circuit.parts.relief, housing)
+    bodies = reaction(run, of_kind(circuit.parts.relief, Relief), housing)
     frequency, alone = spectrum(bodies, STEP)
     return Heard(run, frequency, alone, spectrum(bodies + thrust(run, bore, housing), STEP)[1])
 

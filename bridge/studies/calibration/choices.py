@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.rig import RIG
+from twin.rig import rig_number
 
 PLACE = 0.112  # [m], start of the load change
 LENGTHS = {"pipe_1": 1.0, "pipe_2": 2.5, "pipe_3": 2.0, "pipe_4": 2.0, "pipe_5": 2.0, "pipe_6": 1.5}  # [m]
@@ -72,15 +72,11 @@ def chosen(shares: NDArray[np.float64]) -> dict[str, float]:
 
 def of_the_rig() -> dict[str, float]:
     """The values that stand in the rig now."""
-    return {choice.name: number_of(choice.name) for choice in CHOICES}
+    return {choice.name: _in_the_rig(*choice.name.split(".")) for choice in CHOICES}
 
 
-def number_of(name: str) -> float:
-    """A number of the rig by part.name."""
-    part, _, entry = name.partition(".")
-    if part == "start":
-        return PLACE
-    return float(RIG[part][entry].value)
+def _in_the_rig(part: str, name: str) -> float:
+    return PLACE if part == "start" else rig_number(part, name)
 
 
 def overrides(values: Mapping[str, float]) -> dict[str, dict[str, float]]:

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from twin.circuit.block import block_of, buffers, compiled
 from twin.circuit.build import build
 from twin.circuit.equilibrium import equilibrium
+from twin.circuit.kinds import of_kind
 from twin.circuit.state import flatten
 from twin.circuit.step import Circuit
+from twin.pump import Pump
 from twin.rig import values
 from twin.topology import OBSERVED
 
@@ -51,7 +53,7 @@ def circuit_for(overrides: Mapping[str, Mapping[str, Any]]) -> Circuit:
 
 def at_speed(circuit: Circuit, speed: int) -> Circuit:
     """The same with another speed [rpm] of its pump."""
-    pump, ratio = circuit.parts.supply, speed / max(SPEEDS)
+    pump, ratio = of_kind(circuit.parts.supply, Pump), speed / max(SPEEDS)
     pump = pump._replace(delivery=ratio * pump.delivery, tooth_frequency=ratio * pump.tooth_frequency)
     return circuit._replace(parts=circuit.parts._replace(supply=pump))
 

@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
 from bridge.studies.calibration.experiment import LIFT, RESTART, SPEEDS, UP, Course, circuit_for, run
+from twin.circuit.kinds import of_kind
 from twin.circuit.step import Circuit
+from twin.load import Load
 from twin.orifice import quadratic_flow
+from twin.relief.network import Relief
 from twin.relief.poppet import pilot_opening
-from twin.seal import friction
+from twin.seal import Seal, friction
 
 BAR = 1e5
 LOADS = (165.0, 213.0, 243.0, 299.0, 334.0)  # [kg], 2.3
@@ -86,15 +89,16 @@ def _at_rest(course: Course, speed: int) -> dict[str, float]:
 def _friction(circuit: Circuit) -> dict[str, float]:
     """Of a piston that rises slowly, no pressure above it: A_l p = m g + F(p)."""
     area, gravity = circuit.parts.cylinder.area_lower, circuit.parts.load.gravity
+    seal = of_kind(circuit.parts.seal, Seal)
     most, differences = 0.0, []
     for mass in LOADS:
 
         def surplus(p: float, mass: float = mass) -> float:
-            return area * p - mass * gravity - friction(SLOW, p, circuit.parts.seal)[0]
+            return area * p - mass * gravity - friction(SLOW, p, seal)[0]
 
         p = root_scalar(surplus, bracket=(1e5, 500e5)).root
         differences.append(p / BAR)
-        most = max(most, *(friction(v, p, circuit.parts.seal)[0] for v in (SLOW, -SLOW)))
+        most = max(most, *(friction(v, p, seal)[0] for v in (SLOW, -SLOW)))
     return {"friction, five loads": most, "difference, five loads": max(differences)}
 
 
@@ -117,7 +121,8 @@ def _restart(course: Course) -> dict[str, float]:
 
 
 def _contact(course: Course, circuit: Circuit) -> dict[str, float]:
-    contact = float(course.time[np.argmax(course.columns["position"] >= circuit.parts.load.support)])
+    support = of_kind(circuit.parts.load, Load).support
+    contact = float(course.time[np.argmax(course.columns["position"] >= support)])
     relieved = 6e4 * course.between("flow_relief", contact, contact + 0.1)
     later = 6e4 * course.between("flow_relief", contact + 0.1, UP + LIFT[FAST])
     return {
@@ -130,7 +135,8 @@ def _contact(course: Course, circuit: Circuit) -> dict[str, float]:
 
 def _pilot(circuit: Circuit) -> dict[str, float]:
     """A p2 at a lift of 0.2 mm, 100 bar before orifice 2, which is orifices 1 and 2 less one like 3."""
-    valve, orifices = circuit.parts.relief, circuit.parts.relief.orifices
+    valve = of_kind(circuit.parts.relief, Relief)
+    orifices = valve.orifices
     conductance, area = pilot_opening(0.2e-3, valve.pilot)
     a, b = orifices.a_12 - orifices.a_3, orifices.b_12 - orifices.b_3
     flow = quadratic_flow(100.0 * BAR, a + 1.0 / conductance**2, b)

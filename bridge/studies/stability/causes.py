@@ -12,12 +12,12 @@ from typing import Any
 from bridge.errors import nearest
 from bridge.scenario import Scenario, changed
 from bridge.studies.stability.rig_plant import at_rest
-from twin.rig import RIG
+from twin.rig import rig_number
 
 AMPLE = 40.0  # times the pump's flow: a supply that gives way by 1 bar at 16 l/min
-BORE, ROD = (float(RIG["cylinder"][name].value) for name in ("bore", "rod"))
-PRESSURE = float(RIG["relief"]["setting"].value)
-SPEED = float(RIG["pump"]["speed"].value)
+BORE, ROD = (rig_number("cylinder", name) for name in ("bore", "rod"))
+PRESSURE = rig_number("relief", "setting")
+SPEED = rig_number("pump", "speed")
 PIPES = [f"pipe_{number}" for number in range(1, 7)]
 
 # cause -> what takes it away
@@ -27,7 +27,7 @@ AWAY: dict[str, Mapping[str, Any]] = {
     "areas": {  # both as large as the mean of the true ones
         "rig.cylinder.rod": 1e-6,
         "rig.cylinder.bore": math.sqrt(BORE**2 - 0.5 * ROD**2),
-        "rig.cylinder.dead_lower": RIG["cylinder"]["dead_upper"].value,
+        "rig.cylinder.dead_lower": rig_number("cylinder", "dead_upper"),
     },
     "supply": {  # a pump whose leak alone sets the pressure
         "rig.pump.speed": AMPLE * SPEED,

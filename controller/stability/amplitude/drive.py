@@ -10,10 +10,12 @@ a cavity.
 import cmath
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from twin.actuator import Actuator, chamber_pressures, drive, outside
 from twin.contact import AnyStops, NoStops, Stops
 from twin.cylinder import Chambers
-from twin.directional_valve import Valve, land_orifice, lands_at
+from twin.directional_valve import land_orifice, lands_at
 from twin.fitting import Fitting, fitting_resistance
 from twin.friction import NoFriction, slide
 from twin.kernel import by_type, inlined
@@ -29,7 +31,7 @@ from twin.stribeck import Stribeck
 from twin.switching_valve import SwitchingValve, switch_spool
 
 PARTS = 5  # of a step, for the piston
-NO_WEIGHT, ENDLESS, NOTHING = Weight(0.0, 0.0, 0.0), NoStops(0.0), (0.0,)
+NO_WEIGHT, ENDLESS, NOTHING = Weight(0.0, 0.0, 0.0), NoStops(0.0), np.zeros(1)
 
 
 class Line(NamedTuple):
@@ -68,7 +70,7 @@ class Drive(NamedTuple):
     oil: Oil
     cylinder: Actuator  # its dead volumes include half of the hoses
     seal: Seal | Stribeck | NoFriction
-    valve: Valve
+    valve: SpoolValve | SwitchingValve
     supply: Supply
     fitting: Fitting  # in line 2
     capacities: Capacities
@@ -281,7 +283,7 @@ def _tee(before: float, out: float, d: Drive, step: float) -> float:
     return (before + per * (s.delivery - out + s.slope * s.opening)) / (1.0 + per * (s.leakage + s.slope))
 
 
-def pace_of(valve: Valve, step: float) -> Pace:
+def pace_of(valve: SpoolValve | SwitchingValve, step: float) -> Pace:
     """The pace of a step [s]: expm(step [[0, 1], [-omega^2, -2 zeta omega]]); a switching spool needs no matrix."""
     if not isinstance(valve, SpoolValve):
         return Pace(step, 0.0, 0.0, 0.0, 0.0)

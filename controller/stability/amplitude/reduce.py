@@ -8,12 +8,18 @@ from twin.actuator import moduli
 from twin.circuit.equilibrium import supply_at_rest
 from twin.circuit.step import Circuit, Parts
 from twin.compliant import Compliant
+from twin.friction import NoFriction
 from twin.kernel import interpreted
+from twin.lever import Lever
 from twin.load import Load
+from twin.load_slot import HeldLoad
 from twin.lugre import LuGre
 from twin.minor_losses import loss_at_end
 from twin.pump import Pump
 from twin.relief.slot import steady_relief
+from twin.seal import Seal
+from twin.servo_valve import ServoValve
+from twin.stribeck import Stribeck
 from twin.supply import steady_supply
 
 ANGULAR = 2.0 * np.pi * 30.0  # [rad/s], at which oil in the lines resists: swings between 2 and 40 Hz matter
@@ -22,19 +28,21 @@ UNLIMITED = 1e12  # [Pa]
 
 
 def reduced(circuit: Circuit) -> Drive:
-    """The drive of a circuit. Raises ValueError for one whose load or friction has a state of its own."""
-    _refuse_states(circuit.parts)
+    """The drive of a circuit. Raises ValueError for one with a part that the drive leaves out."""
     parts, lines = circuit.parts, circuit.lines
+    load, seal = _without_states(parts)
+    if isinstance(parts.valve, ServoValve):
+        raise ValueError("the reduced drive has no servo valve: take valve.kind = 'proportional' or 'switching'")
     half = 0.5 * lines.capacity
     cylinder, b = parts.cylinder, interpreted(moduli)(parts.cylinder)
     lower, upper = float(half[2]) * b.lower, float(half[3]) * b.upper  # as dead volumes of the same capacity
     meet = (lines.capacity[0] + half[1], half[1], half[2], half[3], half[4], half[4] + half[5])
     return Drive(
-        load=parts.load._replace(added=0.0) if isinstance(parts.load, Load) else parts.load,
+        load=load._replace(added=0.0) if isinstance(load, Load) else load,
         stops=parts.stops,
         oil=parts.oil,
         cylinder=cylinder._replace(dead_lower=cylinder.dead_lower + lower, dead_upper=cylinder.dead_upper + upper),
-        seal=parts.seal,
+        seal=seal,
         valve=parts.valve,
         supply=_supply(circuit),
         fitting=parts.fitting,
@@ -43,11 +51,13 @@ def reduced(circuit: Circuit) -> Drive:
     )
 
 
-def _refuse_states(parts: Parts) -> None:
+def _without_states(parts: Parts) -> tuple[Load | HeldLoad | Lever, Seal | Stribeck | NoFriction]:
+    """Load and friction. Raises ValueError for those with a state of their own."""
     if isinstance(parts.load, Compliant):
         raise ValueError("the reduced drive has one mass: take load.kind = 'environment' with the sum of both masses")
     if isinstance(parts.seal, LuGre):
         raise ValueError("the reduced drive has no bristles: take friction.kind = 'stribeck' with the same curve")
+    return parts.load, parts.seal
 
 
 def at_rest(d: Drive, circuit: Circuit, position: float, p_upper: float) -> DriveState:

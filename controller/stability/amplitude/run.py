@@ -196,7 +196,7 @@ def _sample(s: DriveState, time: float, d: Drive, card: Card, source: np.random.
         value if lsb == 0.0 else lsb * math.floor(value / lsb + card.noise * source.standard_normal() + 0.5)
         for value, lsb in ((s.position, card.position), (s.velocity, card.velocity))
     )
-    return Sample(round(time * 1e9), x, v, *(max(0.0, q) for q in (s.p_tee, p.lower, p.upper)))
+    return Sample(round(time * 1e9), x, v, p1=max(0.0, s.p_tee), p2=max(0.0, p.lower), p3=max(0.0, p.upper))
 
 
 @kernel
