@@ -27,6 +27,16 @@ class Hold:
             self._pending.pop()
         self._pending.append((apply_at, value))
 
+    def insert(self, apply_at: int, value: float) -> None:
+        """Let a value act from `apply_at` [ns] until what is to act after it."""
+        later = [entry for entry in self._pending if entry[0] > apply_at]
+        self.put(apply_at, value)
+        self._pending.extend(later)
+
+    def at(self, instant: int) -> float:
+        """The value that acts just before an instant [ns], as far as is known."""
+        return next((value for begin, value in reversed(self._pending) if begin < instant), self.value)
+
     def segments(self, begin: int, end: int) -> Iterator[Segment]:
         """Cut [begin, end) where commands act; a command that should have acted earlier acts at `begin`."""
         while self._pending and self._pending[0][0] < end:

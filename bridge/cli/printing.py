@@ -76,6 +76,8 @@ def _counts(summary: "Summary") -> Iterable[str]:
         yield f"commands   {commands.sent} recorded{taken}, {commands.late} late{worst}; refused: {refused}"
     lost = ", ".join(f"{count} {topic}" for topic, count in summary.lost.items()) or "none"
     yield f"lost       {lost}; safe states: {summary.safe_states}"
+    if summary.alarms:
+        yield f"alarms     {', '.join(f'{name} {count}' for name, count in summary.alarms.items())}"
 
 
 def print_checks(results: "list[CheckResult]") -> None:

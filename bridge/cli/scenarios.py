@@ -28,6 +28,7 @@ def describe(
 
     loaded = load(scenario, changes)
     from bridge.scenario.describe import (
+        alarms,
         empty_slots,
         facts,
         shown_values,
@@ -41,13 +42,14 @@ def describe(
 
     values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
     slots = slots_of(loaded)
-    parameters, happens = _parameters(loaded), timeline(loaded)
+    parameters, happens, limits_kept = _parameters(loaded), timeline(loaded), alarms(loaded)
     if as_json:
         keys = ("part", "what", "time", "longest step")
         limits = [dict(zip(keys, row, strict=True)) for row in steps]
         plain = {"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits}
         plain["fitted"] = [dict(zip(("slot", "kind", "chosen by"), row, strict=True)) for row in slots]
         further = {"parameters": parameters, "timeline": [h._asdict() for h in happens]}
+        further["alarms"] = [limit._asdict() for limit in limits_kept]
         print_json(plain | {name: rows for name, rows in further.items() if rows})
         return
     print(text_picture(loaded.rig_values()))
@@ -69,6 +71,9 @@ def describe(
     if happens:
         print()
         print_table(("in the timeline", "what changes"), happens)
+    if limits_kept:
+        print()
+        print_table(("alarm", "leads to"), limits_kept)
     for line in warnings(loaded):
         print(f"warning: {line}")
 

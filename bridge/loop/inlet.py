@@ -3,17 +3,21 @@
 Nothing here knows clocks or networks: times are simulated nanoseconds that the plant hands in.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from bridge.loop.safety import Gaps, Gate, Watchdog
+from bridge.loop.alarm_watch import AlarmWatch, Turn
+from bridge.loop.refuge import CENTRED, Refuge
+from bridge.loop.safety import Gaps, Gate, Objection, Watchdog
+from bridge.loop.safety_states import SafetyStates
 from bridge.scenario import Scenario
-from bridge.scenario.fitted_valve import power_off_of
+from bridge.scenario.safety import planned, value_in_words
 from bridge.wire.events import absence, refusal
-from bridge.wire.messages import EventKind, Reason
+from bridge.wire.messages import EventKind, Reason, SafetyState
 from controller.grid import NS, next_sample, to_ns
 from controller.hold import Hold, Segment
 
-CENTRED = 0.0  # spool reference until somebody speaks
+POSITION = "measurement.position"  # what a retreat looks at
 EVENTS_PER_REASON = 100  # refusals of one kind that are recorded one by one; all are counted
 
 
@@ -29,7 +33,7 @@ class Note(NamedTuple):
 
 
 class Inlet:
-    """Gate, watchdog and zero-order hold of one run of a plant."""
+    """Gate, watchdog, alarms and zero-order hold of one run of a plant."""
 
     def __init__(self, scenario: Scenario, run_id: int) -> None:
         loop = scenario.loop
@@ -39,7 +43,13 @@ class Inlet:
         self._gate = Gate(run_id, grid)
         self._watchdog = Watchdog(to_ns(loop.command_timeout), grid, loop.after_timeout == "latch")
         self._hold = Hold(CENTRED)
-        self._power_off = power_off_of(scenario)
+        self._states = SafetyStates()
+        self._refuge = Refuge(scenario, self._hold)
+        self._alarms = {alarm.number: alarm for alarm in planned(scenario)}
+        self._alarm_watch = AlarmWatch(list(self._alarms.values()))
+        self._limit = scenario.safety.degraded_limit
+        self._kept_out = False  # it is told that an alarm keeps commands out
+        self._awaited = False  # no alarm keeps the plant safe any more: commands are due again
         self._first_due = next_sample(0, grid) + grid.delay  # of a controller that has not spoken yet [ns]
         self._gaps = Gaps()
         self._notes: list[Note] = []
@@ -47,22 +57,37 @@ class Inlet:
     @property
     def value(self) -> float:
         """The spool reference in force."""
-        return self._hold.value
+        return self._limited(self._hold.value)
+
+    @property
+    def state(self) -> SafetyState:
+        """How far the plant trusts its loop."""
+        return self._states.state
 
     @property
     def safe(self) -> bool:
-        """Is the plant in its safe state?"""
-        return self._watchdog.safe
+        """Do commands not act, since the plant is in its safe state?"""
+        return self._states.safe
 
     @property
     def latched(self) -> bool:
         """Does it take a reset to leave it?"""
-        return self._watchdog.blocks()
+        return self.state == SafetyState.LATCHED
+
+    @property
+    def shut(self) -> bool:
+        """Are valid commands refused, until a reset or until an alarm is gone?"""
+        return self._states.shut
+
+    @property
+    def prompt(self) -> bool:
+        """Must a command be heard at its sample, since it may be refused for what has happened by then?"""
+        return bool(self._alarms)
 
     @property
     def safe_states(self) -> int:
         """How often the plant went to its safe state."""
-        return self._watchdog.trips
+        return self._states.trips
 
     @property
     def accepted(self) -> int:
@@ -81,7 +106,7 @@ class Inlet:
 
     def offer(self, command: Any, now: int) -> bool:
         """Take a command; False when it is refused."""
-        refused = self._gate.check(command, now, self._watchdog.blocks())
+        refused = self._gate.check(command, now, self._objection())
         if refused is not None:
             if self._note_refusal(*refused, command.source, command.sequence, command.apply_at):
                 self._gaps.refuse(command, refused[0])
@@ -89,8 +114,9 @@ class Inlet:
         if gap := self._gaps.accept(command):
             self.note(EventKind.MISSED, absence(*gap), command.source, command.sequence, command.apply_at)
         if self.safe:
-            self._watchdog.clear()
             self.note(EventKind.RESUMED, "commands have resumed", command.source, command.sequence)
+            self._leave()
+        self._refuge.give_way(command.apply_at)
         if command.apply_at < now:
             self._note_late(command, now)
         self._hold.put(command.apply_at, command.spool)
@@ -103,40 +129,107 @@ class Inlet:
     def reset(self, now: int) -> None:
         """Leave the safe state because somebody says so."""
         if self.safe:
-            self._watchdog.clear()
             self._gate.release(now)
             self._first_due = next_sample(now, self._grid) + self._grid.delay
             self.note(EventKind.RESET, "safe state left by reset")
+            self._leave()
 
     def segments(self, begin: int, end: int) -> list[Segment]:
         """The values in force over [begin, end), the block that is integrated now."""
         self._watch(begin, end)
         segments = list(self._hold.segments(begin, end))
-        self._gate.in_force = max(self._gate.in_force, self._hold.since)
-        return segments
+        if not self.safe:  # a stair of a ramp is not a command
+            self._gate.in_force = max(self._gate.in_force, self._hold.since)
+        return [segment._replace(value=self._limited(segment.value)) for segment in segments]
+
+    def look(self, now: int, signal: Callable[[str], float]) -> None:
+        """After a scan [ns]: take note of alarms that come and go, and end a retreat."""
+        for turn in self._alarm_watch.look(now, signal):
+            (self._come if turn.there else self._go)(turn, now)
+        if self._refuge.retreating:
+            self._refuge.look(now, signal(POSITION))
 
     def notes(self) -> list[Note]:
         """What has happened since the last call."""
         notes, self._notes = self._notes, []
         return notes
 
+    def _come(self, turn: Turn, now: int) -> None:
+        """An alarm has come."""
+        alarm, owned = turn.alarm, self._gate.owner is not None
+        kind = self._states.come(alarm.number, alarm.then)
+        goes = ""
+        if kind == EventKind.SAFE:
+            self._refuge.take(now)
+            self._gate.in_force = now
+            goes = f": {self._refuge.words(owned)}"
+        if self.shut:
+            self._awaited = self._kept_out = False
+        until = ", until reset" if kind in (EventKind.SAFE, EventKind.LATCHED) and self.latched else ""
+        text = f"alarm {alarm.id}: {alarm.words}, {value_in_words(turn.value, alarm.unit)}{goes}{until}"
+        self.note(kind, text, command=alarm.number, applied_at=now)
+
+    def _go(self, turn: Turn, now: int) -> None:
+        """An alarm is gone."""
+        alarm, was_shut = turn.alarm, self.shut
+        kind = self._states.go(alarm.number)
+        follows = ""
+        if was_shut and not self.shut:
+            self._awaited, self._first_due = True, next_sample(now, self._grid) + self._grid.delay
+            follows = "; the next valid command acts"
+        text = f"alarm {alarm.id} is gone: {value_in_words(turn.value, alarm.unit)}{follows}"
+        self.note(kind, text, command=alarm.number, applied_at=now)
+
+    def _leave(self) -> None:
+        """Leave the safe state; alarms that are still there degrade the plant."""
+        self._awaited = False
+        if still := self._states.leave():
+            names = ", ".join(self._alarms[number].id for number in still)
+            self.note(EventKind.DEGRADED, f"still there: alarm {names}")
+
+    def _objection(self) -> Objection | None:
+        """Why no command is taken now; None where one can be."""
+        if not self.shut:
+            return None
+        if self.latched:
+            return Reason.LATCHED, "the plant is in its safe state until reset"
+        names = ", ".join(self._alarms[number].id for number in self._states.keeping)
+        return Reason.ALARM, f"the plant is in its safe state until alarm {names} is gone"
+
+    def _limited(self, value: float) -> float:
+        if self._limit < 1.0 and self.state == SafetyState.DEGRADED:
+            return max(-self._limit, min(self._limit, value))
+        return value
+
     def _watch(self, begin: int, end: int) -> None:
-        if self.safe:
+        if self.safe and not self._awaited:
             return
         owned = self._gate.owner is not None
-        at = self._watchdog.trip_at(self._gate.last_apply + self._grid.sample if owned else self._first_due)
+        spoken = owned and not self.safe
+        at = self._watchdog.trip_at(self._gate.last_apply + self._grid.sample if spoken else self._first_due)
         if at >= end:
             return
-        at, timeout = max(at, begin), self._watchdog.timeout / NS
-        self._watchdog.trip(owned)
-        if owned or self._power_off != CENTRED:
+        at = max(at, begin)
+        if self.safe:
+            self._give_up(at, owned)
+            return
+        self._states.trip(self._watchdog.latching and owned)
+        if owned or self._refuge.moves_alone:
             self._gate.release(at)
-            self._hold.put(at, self._power_off)
-        stays = "valve centred" if owned else "the valve stays centred"  # so whoever speaks first will be heard
-        goes = stays if self._power_off == CENTRED else f"valve without power, spool to {self._power_off:g}"
+            self._refuge.take(at)
+        timeout = self._watchdog.timeout / NS
         missed = f"for {timeout:g} s" if owned else f"within {timeout:g} s of the first that was due"
-        text = f"no {'' if owned else 'valid '}command {missed}: {goes}"
+        text = f"no {'' if owned else 'valid '}command {missed}: {self._refuge.words(owned)}"
         self.note(EventKind.SAFE, text, applied_at=at)
+
+    def _give_up(self, at: int, owned: bool) -> None:
+        """Nobody commands though no alarm keeps the plant safe: it belongs to nobody any more."""
+        self._awaited = False
+        self._gate.release(at)
+        if self._watchdog.latching and owned:
+            self._states.latch()
+            timeout = self._watchdog.timeout / NS
+            self.note(EventKind.LATCHED, f"no command for {timeout:g} s though the alarm is gone", applied_at=at)
 
     def note(
         self, kind: EventKind, text: str, source: int = 0, command: int = 0, apply_at: int = 0, applied_at: int = 0
@@ -154,8 +247,9 @@ class Inlet:
     def _note_refusal(self, reason: Reason, text: str, source: int = 0, sequence: int = 0, apply_at: int = 0) -> bool:
         """False when it is only counted."""
         count = self.refused[reason]
-        if count > EVENTS_PER_REASON:
+        if count > EVENTS_PER_REASON or (reason == Reason.ALARM and self._kept_out):
             return False
-        last = "; more of these are only counted" if count == EVENTS_PER_REASON else ""
+        self._kept_out = reason == Reason.ALARM
+        last = "; more of these are only counted" if count == EVENTS_PER_REASON or self._kept_out else ""
         self.note(EventKind.REFUSED, refusal(reason, f"{text}{last}"), source, sequence, apply_at)
         return True

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from bridge.loop.acquisition import Acquisition
 from bridge.loop.further import further_channels, message
-from bridge.loop.inlet import CENTRED, Inlet, Note
+from bridge.loop.inlet import Inlet, Note
 from bridge.loop.line_profiles import LineProfiles
 from bridge.loop.live_reference import LiveReference
 from bridge.loop.plant_tuning import PlantTuning, Tune
+from bridge.loop.refuge import CENTRED
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.scenario.references import Live
@@ -24,7 +25,7 @@ from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurem
 from bridge.wire.events import silence
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, EventKind, Outgoing, Reason, of_tap
 from bridge.wire.status import PlantStatus, Reading
-from controller.grid import NS, last_due, next_sample
+from controller.grid import NS, is_sample, last_due, next_sample
 from twin.circuit.block import block_of, compiled
 from twin.sensors import put_out
 from twin.topology import CHANNELS, OBSERVED, PRESSURES
@@ -78,7 +79,8 @@ class PlantSide:
 
     def awaited(self) -> int | None:
         """Stamp of the sample whose command the next block cannot do without; None when it has all."""
-        due = last_due(self.now + self.grid.daq, self.grid)
+        at_once = self.inlet.prompt and is_sample(self.now, self.grid)
+        due = self.now if at_once else last_due(self.now + self.grid.daq, self.grid)
         return due if due is not None and due > self.inlet.answered else None
 
     def unanswered(self) -> bool:
@@ -137,7 +139,7 @@ class PlantSide:
         if not lean:
             return self._messages()
         measured = self._measure()
-        self._tuning.watch(self.now, self._signal)
+        self._look()
         return [*measured, *self._drain()]
 
     def status(self) -> PlantStatus:
@@ -179,7 +181,7 @@ class PlantSide:
 
     def _messages(self) -> list[Outgoing]:
         out = [*self._measure(), self._true_state()]
-        self._tuning.watch(self.now, self._signal)
+        self._look()
         if self.tick_number % self._viewer_ticks == 0:
             out += self._viewer_messages()
         return out + self._drain()
@@ -193,10 +195,20 @@ class PlantSide:
     def _tell(self, text: str, entry: int, apply_at: int) -> None:
         self.inlet.note(EventKind.CHANGED, text, command=entry, apply_at=apply_at)
 
+    def _look(self) -> None:
+        """After a scan: what waits for a signal."""
+        self._tuning.watch(self.now, self._signal)
+        self.inlet.look(self.now, self._signal)
+
     def _signal(self, name: str) -> float:
-        """A true value, or what the card read where only that has the name."""
+        """A true value, or what the card read where only that has the name, or where it is asked for."""
         at = SEEN_AT.get(name)
-        return getattr(self.measurement, name) if at is None else float(self._observed[at])
+        if at is not None:
+            return float(self._observed[at])
+        topic, _, own = name.rpartition(".")
+        if topic == CHANNELS_TOPIC:
+            return self.channels.values[self.scenario.daq.channels.index(own)]
+        return getattr(self.measurement, own)
 
     def _event(self, note: Note) -> Outgoing:
         sequence = self._count("event")

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from bridge.loop.altered_rig import AlteredRig
 from bridge.scenario import Scenario
+from bridge.scenario.conditions import Crossing, crosses
 from bridge.scenario.courses import course_of, courses_of, to_be
-from bridge.scenario.timeline import Crossing, Item, crosses, plan, reached
+from bridge.scenario.timeline import Item, plan, reached
 from bridge.scenario.tunable import PLANT, Tunable, tunables
 from bridge.wire.events import setting, timeline_entry
 from controller.course import NEVER, Act, Course, Ramp, Table, ends

@@ -20,7 +20,9 @@ class Refusal(NamedTuple):
 
 
 Objection = tuple[Reason, str]
-ANSWERS = (Reason.NOT_FINITE, Reason.OUT_OF_RANGE, Reason.FAR_FUTURE, Reason.OFF_THE_GRID, Reason.LATCHED)  # bad ones
+ANSWERS = (  # reasons to refuse what is an answer all the same
+    *(Reason.NOT_FINITE, Reason.OUT_OF_RANGE, Reason.FAR_FUTURE, Reason.OFF_THE_GRID, Reason.LATCHED, Reason.ALARM),
+)
 
 
 class Gate:
@@ -43,10 +45,11 @@ class Gate:
         self.refused[reason] = self.refused.get(reason, 0) + 1
         return Refusal(reason, text)
 
-    def check(self, command: Any, now: int, latched: bool = False) -> Refusal | None:
-        """None when the command is taken; `now` is the simulated time reached [ns], `latched`: none can be."""
-        for test in (self._run, self._value, self._owner, self._time, _latched if latched else self._order):
-            if (refusal := test(command, now)) is not None:
+    def check(self, command: Any, now: int, shut: Objection | None = None) -> Refusal | None:
+        """None when the command is taken; `now` is the simulated time reached [ns], `shut`: why none can be."""
+        for test in (self._run, self._value, self._owner, self._time, self._order):
+            refusal = shut if shut and test == self._order else test(command, now)
+            if refusal is not None:
                 self._note_answer(command, now, refusal[0])
                 return self.refuse(*refusal)
         self.owner = command.source
@@ -108,10 +111,6 @@ class Gate:
         return None
 
 
-def _latched(command: Any, now: int) -> Objection:
-    return Reason.LATCHED, "the plant is in its safe state until reset"
-
-
 class Gaps:
     """Which commands never came, or were refused without an event of their own.
 
@@ -142,30 +141,13 @@ class Gaps:
 
 
 class Watchdog:
-    """Safe state after `timeout` [ns of simulated time] without the command that was due."""
+    """Patience with a controller: `timeout` [ns of simulated time] for the command that is due."""
 
     def __init__(self, timeout: int, grid: Sampling, latching: bool) -> None:
         self.timeout = timeout
         self.grid = grid
-        self.latching = latching
-        self.safe = False
-        self.trips = 0
-        self._latched = False
+        self.latching = latching  # the safe state that follows takes a reset
 
     def trip_at(self, due: int) -> int:
         """When patience ends [ns, whole steps] for the command that is to act at `due`."""
         return -(-(due + self.timeout) // self.grid.step) * self.grid.step
-
-    def trip(self, owned: bool) -> None:
-        """Enter the safe state; only where a controller `owned` the plant there is anything to latch."""
-        self.safe = True
-        self.trips += 1
-        self._latched = self.latching and owned
-
-    def blocks(self) -> bool:
-        """Does the latch keep commands out?"""
-        return self.safe and self._latched
-
-    def clear(self) -> None:
-        """Leave the safe state: by reset, or because commands have resumed."""
-        self.safe = False

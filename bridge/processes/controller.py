@@ -17,10 +17,11 @@ from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
 from bridge.wire.events import line_of_law, reason_of
 from bridge.wire.link import Link
-from bridge.wire.messages import CHANNELS_TOPIC, GOING, EventKind, Mode, Outgoing, Phase, Reason
+from bridge.wire.messages import ALARMING, CHANNELS_TOPIC, GOING, EventKind, Mode, Outgoing, Phase, Reason
 from bridge.wire.status import PUBLISHED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 
+TOLD_OF_PLANT = (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.CHANGED, *ALARMING)
 ASKING = 2.0  # seconds for the plant to say what it runs
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 
@@ -132,7 +133,7 @@ class ControllerProcess:
                 self._told.add(reason)
                 way_out = "; leave the safe state with `hydrotwin reset`" if reason == Reason.LATCHED else ""
                 self._narrator.say(f"{when}the plant refuses our command: {event.text}{way_out}")
-        elif event.kind in (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.CHANGED):
+        elif event.kind in TOLD_OF_PLANT:
             self._narrator.say(f"{when}plant: {event.text}")
 
     def _is_refused(self, event: Any) -> bool:

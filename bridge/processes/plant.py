@@ -25,7 +25,7 @@ from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, decode, ready
 from bridge.wire.events import last_words, reason_of
 from bridge.wire.link import Link
-from bridge.wire.messages import Ending, EventKind, Mode, Outgoing, Phase
+from bridge.wire.messages import ALARMING, Ending, EventKind, Mode, Outgoing, Phase
 from bridge.wire.status import Pace, PlantReport, PlantStatus, numbers_of
 from controller.grid import NS, is_sample
 
@@ -247,12 +247,19 @@ class PlantProcess:
             self._told.add(reason)
             self._narrator.say(f"{when}command refused: {event.text}; further ones for this reason are only counted")
         if event.kind == EventKind.SAFE:
-            way_out = "leave with `hydrotwin reset`" if self.side.inlet.latched else "left by the first valid command"
-            self._narrator.say(f"{when}safe state, {way_out}: {event.text}")
+            self._narrator.say(f"{when}safe state, {self._way_out()}: {event.text}")
         if event.kind == EventKind.CHANGED and not isinstance(self.scenario.reference, Live):
             self._narrator.say(f"{when}{event.text}, from {event.apply_at / NS:g} s on")
         if event.kind in (EventKind.RESET, EventKind.RESUMED, EventKind.DIFFERS, EventKind.ENDED):
             self._narrator.say(f"{when}{event.text}")
+        if event.kind in ALARMING:
+            self._narrator.say(f"{when}{event.kind}: {event.text}")
+
+    def _way_out(self) -> str:
+        inlet = self.side.inlet
+        if inlet.latched or not inlet.shut:
+            return "leave with `hydrotwin reset`" if inlet.latched else "left by the first valid command"
+        return "left by the first valid command once the alarm is gone, or with `hydrotwin reset`"
 
     def _on_command(self, sample: Any) -> None:
         self._commands.put(Command(sample, time.monotonic_ns()))
@@ -289,7 +296,7 @@ class PlantProcess:
         self._leave_to_another()
         self._note_strangers()
         self._narrator.note_present(self.bus.present, "plant")
-        self._report(Phase.SAFE if self.side.inlet.safe else Phase.RUNNING, "")
+        self._report(Phase(self.side.inlet.state), "")
         return True
 
     def _report(self, phase: Phase, text: str, final: bool = False) -> PlantStatus:

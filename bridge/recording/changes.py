@@ -1,27 +1,67 @@
-"""The changes of numbers during a run, for pictures of it."""
+"""The changes of numbers and of the plant's safety during a run, for pictures of it."""
 
+import math
 from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
-from bridge.wire.messages import EventKind
+from bridge.wire.messages import EventKind, SafetyState
 from controller.grid import NS
 
 MOST = 40  # lines in a picture; more would hide what it shows
 
 
+STATES = {  # after an event of the plant's safety; of the safe states pictures show one
+    EventKind.SAFE: SafetyState.SAFE,
+    EventKind.DEGRADED: SafetyState.DEGRADED,
+    EventKind.RESTORED: SafetyState.RUNNING,
+    EventKind.RESET: SafetyState.RUNNING,
+    EventKind.RESUMED: SafetyState.RUNNING,
+}
+SHADES = {SafetyState.SAFE: "#d62728", SafetyState.DEGRADED: "#e8b400"}
+
+
 class Change(NamedTuple):
-    """A number changed."""
+    """A number changed, or the state of the plant's safety."""
 
     time: float  # [s]
     text: str
+
+
+class Span(NamedTuple):
+    """A time in which commands do not act as they should."""
+
+    begin: float  # [s]
+    end: float  # [s]; infinite: to the end of the run
+    state: SafetyState  # SAFE, DEGRADED
 
 
 def changes(recording: Recording) -> list[Change]:
     """The first of them, in their order."""
     if "event" not in recording.counts:
         return []
-    events = [event for event in recording.messages("event") if event.kind == EventKind.CHANGED]
-    return sorted(Change(event.apply_at / NS, event.text) for event in events)[:MOST]
+    events = recording.messages("event")
+    numbers = [Change(event.apply_at / NS, event.text) for event in events if event.kind == EventKind.CHANGED]
+    states = [Change(_when(event), f"{event.kind}: {event.text}") for event in events if event.kind in STATES]
+    return sorted(numbers + states)[:MOST]
+
+
+def spans(recording: Recording) -> list[Span]:
+    """When the plant was degraded, and when it was safe or latched."""
+    events = [event for event in recording.messages("event") if event.kind in STATES]
+    ends = [*(_when(event) for event in events[1:]), math.inf]
+    found = (Span(_when(event), end, STATES[event.kind]) for event, end in zip(events, ends, strict=False))
+    return [span for span in found if span.state in SHADES and span.end > span.begin]
+
+
+def _when(event: Any) -> float:
+    return (event.applied_at or event.stamp) / NS
+
+
+def shade(axis: Any, found: list[Span], end: float) -> None:
+    """Those times in a matplotlib axis that ends at a time [s]."""
+    for span in found:
+        colour = SHADES[span.state]
+        axis.axvspan(span.begin, min(span.end, end), color=colour, alpha=0.13, linewidth=0.0, zorder=0)
 
 
 def mark(axis: Any, found: list[Change]) -> None:

@@ -20,12 +20,13 @@ from bridge.recording.summary import (
 )
 from bridge.scenario import Scenario
 from bridge.wire.events import reason_of
-from bridge.wire.messages import Ending, EventKind
+from bridge.wire.messages import COMING, Ending, EventKind
 from bridge.wire.status import PlantStatus, plant_status
 from controller.bands import Metrics
 from controller.grid import NS, number_due
 from controller.metrics import measure
 
+WRONG = (EventKind.REFUSED, EventKind.SAFE, EventKind.LATE, EventKind.DEGRADED)  # events that a run should not have
 NEEDED = ("state", "timing", "event", "status", "reference")  # topics that a summary is made of
 
 
@@ -51,6 +52,8 @@ def summarise(
         lost=losses,
         messages=dict(sorted(recording.counts.items())),
         first=_first(events),
+        degraded=sum(event.kind == EventKind.DEGRADED and event.command > 0 for event in events),
+        alarms=_alarms(events, scenario),
     )
 
 
@@ -118,7 +121,14 @@ def _refused(events: list[Any]) -> dict[str, int]:
     return dict(Counter(reason_of(event) for event in events if event.kind == EventKind.REFUSED))
 
 
+def _alarms(events: list[Any], scenario: Scenario) -> dict[str, int]:
+    """How often each alarm has come, by its id."""
+    numbers = [event.command for event in events if event.kind in COMING and event.command]
+    ids = [alarm.id or str(number) for number, alarm in enumerate(scenario.alarm, 1)]
+    return {own: numbers.count(number) for number, own in enumerate(ids, 1) if number in numbers}
+
+
 def _first(events: list[Any]) -> dict[str, str]:
     """When and how it began to go wrong, for each kind of event that a run should not have."""
-    wrong = [event for event in reversed(events) if event.kind in (EventKind.REFUSED, EventKind.SAFE, EventKind.LATE)]
+    wrong = [event for event in reversed(events) if event.kind in WRONG]
     return {str(event.kind): f"at {event.stamp / NS:g} s: {event.text}" for event in wrong}

@@ -122,6 +122,8 @@ class Summary(NamedTuple):
     messages: Mapping[str, int]  # recorded ones, per topic
     rejected: int | None = None  # what came to the recorder and is not a message of the run; None without a recorder
     first: Mapping[str, str] = {}  # text of the first event of each kind that a run should not have
+    degraded: int = 0  # how often an alarm degraded the plant
+    alarms: Mapping[str, int] = {}  # how often each has come, by its id
 
     def plain(self) -> dict[str, Any]:
         """For JSON and metadata: what is not defined is None."""
@@ -137,7 +139,8 @@ class Summary(NamedTuple):
             "messages": dict(self.messages),
         }
         rejected = {} if self.rejected is None else {"rejected": self.rejected}
-        return values | rejected | ({"first": dict(self.first)} if self.first else {})
+        alarms = {"degraded": self.degraded, "alarms": dict(self.alarms)} if self.alarms else {}
+        return values | rejected | ({"first": dict(self.first)} if self.first else {}) | alarms
 
     @classmethod
     def from_plain(cls, values: Mapping[str, Any]) -> "Summary":
@@ -154,6 +157,8 @@ class Summary(NamedTuple):
             messages=_counts(values, "messages"),
             rejected=_count(values, "rejected") if "rejected" in values else None,
             first=_texts(values, "first"),
+            degraded=_count(values, "degraded"),
+            alarms=_counts(values, "alarms"),
         )
 
 

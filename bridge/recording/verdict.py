@@ -17,7 +17,7 @@ ENDED_EARLY = "the run ended early"
 
 def verdict(summary: Summary, scenario: Scenario) -> list[str]:
     """What makes a run a failure, one sentence each, the main reason first; empty for a good one."""
-    tests = (_ended_early, _refused, _safe, _untimely, _lost, _overruns)
+    tests = (_ended_early, _refused, _safe, _degraded, _untimely, _lost, _overruns)
     return [fault for test in tests for fault in test(summary, scenario)]
 
 
@@ -30,7 +30,7 @@ def _refused(summary: Summary, scenario: Scenario) -> Iterator[str]:
     """Those that a safe state keeps out follow from it."""
     refused = dict(summary.commands.refused) if summary.commands else {}
     if summary.safe_states:
-        refused.pop(Reason.LATCHED, None)
+        refused = {reason: n for reason, n in refused.items() if reason not in (Reason.LATCHED, Reason.ALARM)}
     if (number := sum(refused.values())) > (most := scenario.allowed.refused):
         reasons = ", ".join(f"{count} {reason}" for reason, count in refused.items())
         first = summary.first.get(EventKind.REFUSED)
@@ -43,6 +43,13 @@ def _safe(summary: Summary, scenario: Scenario) -> Iterator[str]:
         first = summary.first.get(EventKind.SAFE)
         when = f", first {first}" if first else ""
         yield f"the plant went to its safe state {_counted(number, 'time')}{when}; allowed.safe_states is {most}"
+
+
+def _degraded(summary: Summary, scenario: Scenario) -> Iterator[str]:
+    if (number := summary.degraded) > (most := scenario.allowed.degraded):
+        first = summary.first.get(EventKind.DEGRADED)
+        when = f", first {first}" if first else ""
+        yield f"the plant was degraded {_counted(number, 'time')}{when}; allowed.degraded is {most}"
 
 
 def _untimely(summary: Summary, scenario: Scenario) -> Iterator[str]:

@@ -24,10 +24,14 @@ class Input(NamedTuple):
 
 
 class Latch(NamedTuple):
-    """A time in the safe state [ns]: commands that were to act after `since` came when it was in force."""
+    """A time in the safe state [ns]: commands that were to act after `since` came when it was in force.
+
+    sampled: and answer a sample from then on, where those before were heard in time.
+    """
 
     since: int
     until: int
+    sampled: int = 0
 
 
 def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
@@ -65,17 +69,24 @@ def _unheard(events: list[Any], commands: list[Any]) -> set[tuple[int, int]]:
 
 def _in_time(command: Any, latches: list[Latch], grid: Sampling) -> int:
     """When a command that is not late may be handed in: at its sample, or at the reset that let it in [ns]."""
-    resets = [latch.until for latch in latches if command.apply_at > latch.since and command.sample_stamp < latch.until]
+    resets = [
+        latch.until
+        for latch in latches
+        if command.apply_at > latch.since and latch.sampled <= command.sample_stamp < latch.until
+    ]
     return max([-(-command.sample_stamp // grid.daq) * grid.daq, *resets])
 
 
 def _latches(events: list[Any], scenario: Scenario, grid: Sampling) -> Iterator[Latch]:
-    """Only of a plant that waits for a reset: one that resumes says which command it resumed with."""
-    if scenario.loop.after_timeout != "latch":
-        return
+    """The times that a reset has ended: of one that a command has ended, its event says which command."""
+    left = [event for event in events if event.kind in (EventKind.RESET, EventKind.RESUMED)]
     timeout = to_ns(scenario.loop.command_timeout)
     for safe in (event for event in events if event.kind == EventKind.SAFE):
-        resets = [
-            event.stamp - grid.daq for event in events if event.kind == EventKind.RESET and event.stamp >= safe.stamp
-        ]
-        yield Latch(safe.applied_at - grid.sample - timeout, min(resets, default=1 << 62))
+        end = next((event for event in left if event.stamp >= safe.stamp), None)
+        if end is not None and end.kind == EventKind.RESUMED:
+            continue
+        reset = 1 << 62 if end is None else end.stamp - grid.daq
+        if safe.command:  # by an alarm: commands before it were heard, and those of its own time refused
+            yield Latch(safe.applied_at, reset, safe.applied_at)
+        elif scenario.loop.after_timeout == "latch":
+            yield Latch(safe.applied_at - grid.sample - timeout, reset)

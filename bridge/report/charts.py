@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.drawing.colours import LIGHT
-from bridge.recording.changes import changes, mark
+from bridge.recording.changes import changes, mark, shade, spans
 from bridge.recording.shown import GROUPS, MEASURED, Curve, Group
 from bridge.report.subject import Run
 from bridge.report.thin import thinned
@@ -79,6 +79,7 @@ def _single(group: Group, run: Run) -> Any:
     for line in group.curves:
         _plot(axis, run, line, group.scale, _words(line, run), LIGHT[line.colour])
     mark(axis, changes(run.recording))
+    shade(axis, spans(run.recording), run.time[-1])
     finish(axis, group.axis, run.time[-1])
     return figure
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from bridge.drawing.colours import LIGHT
-from bridge.recording.changes import caption, changes, mark, number
+from bridge.recording.changes import caption, changes, mark, number, shade, spans
 from bridge.recording.columns import followed, relief_moved, vapour
 from bridge.recording.reader import Recording
 from bridge.recording.shown import GROUPS, MEASURED
@@ -39,10 +39,11 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
     axes = figure.subplots(len(heights), 1, height_ratios=heights)
     time = state["stamp"] / NS
     state["followed"] = followed(recording, scenario, time)
-    changed = changes(recording)
+    changed, safety = changes(recording), spans(recording)
     for axis, row in zip(axes, rows, strict=False):
         row(axis, time, state, scenario)
         mark(axis, changed)
+        shade(axis, safety, time[-1])
         axis.set_xlim(0.0, time[-1])
         axis.grid(alpha=0.3)
         axis.tick_params(labelbottom=row is rows[-1])

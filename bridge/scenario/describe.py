@@ -9,6 +9,7 @@ from bridge.scenario.in_force import in_force
 from bridge.scenario.lowering_swing import in_words, lowering_swings
 from bridge.scenario.model import Scenario
 from bridge.scenario.reach import reference_warnings
+from bridge.scenario.safety import planned
 from bridge.scenario.supply_facts import Fact, relief_facts, supply_facts
 from bridge.scenario.timeline import Happening, plan
 from bridge.scenario.units import SHOWN, UNITS
@@ -103,6 +104,11 @@ def _when(entry: Happening) -> str:
     when = f"{entry.at:g} s{after}" if entry.at is not None else f"{entry.when}{after}"
     every = f", every {entry.every:g} s" if entry.every is not None else ""
     return f"{when}{every}, {entry.times} times" if entry.times > 1 else when
+
+
+def alarms(scenario: Scenario) -> list[Happens]:
+    """The limits that stop or degrade the plant, and where they lead."""
+    return [Happens(f"{alarm.id}: {alarm.words}", alarm.then) for alarm in planned(scenario)]
 
 
 def facts(scenario: Scenario) -> list[Fact]:

@@ -60,7 +60,7 @@ def _lines(error: "ValidationError") -> Iterator[str]:
         elif kind in LIMITS:
             limit = context[LIMITS[kind][1]]
             yield f"{where}: {entry['input']!r} must be {LIMITS[kind][0]} {limit}"
-        elif kind in ("literal_error", "union_tag_invalid"):
+        elif kind in ("literal_error", "enum", "union_tag_invalid"):
             valid = str(context.get("expected") or context.get("expected_tags"))
             words = [word.strip(" '") for word in valid.replace(" or ", ",").split(",")]
             given = str(context.get("tag", entry["input"]))

@@ -29,6 +29,7 @@ from bridge.scenario.files import DURATION
 from bridge.scenario.reach import refuse_far
 from bridge.scenario.references import Reference
 from bridge.scenario.requirements import Expectation, Expected
+from bridge.scenario.safety import Alarm, Safety, refuse_unsafe
 from bridge.scenario.timeline import Happening, plan
 from controller.grid import NS, Sampling, sampling
 from twin.quantity import Choice, Entry, Table
@@ -57,7 +58,7 @@ class Loop(Part):
     sample_period: Seconds = Field(default=10e-3, gt=0.0, description="of the controller, whole DAQ periods")
     offset: Seconds = Field(default=0.0, ge=0.0, description="of the first sample, whole DAQ periods")
     delay: Seconds = Field(default=0.0, ge=0.0, le=10.0, description="from sample to action, whole internal steps")
-    command_timeout: Seconds = Field(default=0.1, gt=0.0, description="silence after which the valve is centred")
+    command_timeout: Seconds = Field(default=0.1, gt=0.0, description="silence after which the plant is safe")
     after_timeout: Literal["latch", "resume"] = Field(
         default="latch", description="stay safe until reset, or until commands resume"
     )
@@ -110,6 +111,7 @@ class Allowed(Part):
 
     refused: int = Field(default=0, ge=0, description="commands that the plant may refuse")
     safe_states: int = Field(default=0, ge=0, description="how often the plant may go to its safe state")
+    degraded: int = Field(default=0, ge=0, description="how often alarms may degrade the plant")
 
 
 def _as_word(value: object) -> object:
@@ -174,6 +176,8 @@ class Scenario(Part):
     allowed: Allowed = Allowed()
     rig: RigParts = Field(default_factory=_rig)
     timeline: list[Happening] = Field(default=[], description="what happens while it runs, docs/timeline.md")
+    safety: Safety = Safety()
+    alarm: list[Alarm] = Field(default=[], description="limits that stop the plant, docs/safety.md")
     expect: list[Expectation] = Field(
         default=[], description='such as "overshoot <= 5 %", "limit cycle: none"; or {id, text, band} of a requirement'
     )
@@ -199,6 +203,7 @@ class Scenario(Part):
         for expected in self.expected:
             refuse_unread(parse_band(expected.band), self.daq.channels)
         self.reference.reference()
+        refuse_unsafe(self)
         try:
             plan(self)
         except ScenarioError as error:

@@ -1,28 +1,29 @@
 """What happens to a run while it goes on: `[[timeline]]` entries, in simulated time or on a condition."""
 
-import re
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from pydantic import Field
 
-from bridge.errors import ScenarioError, nearest
+from bridge.errors import ScenarioError
+from bridge.scenario.conditions import Crossing as Crossing
+from bridge.scenario.conditions import crosses as crosses
+from bridge.scenario.conditions import crossing
 from bridge.scenario.fields import Hertz, Line, Part, Seconds
 from bridge.scenario.tunable import Tunable, difference_in_si, in_si, tunable, within
-from bridge.scenario.units import quantity
 from bridge.wire.messages import EventKind
 from controller.course import NEVER, Pulse, Ramp, Shape, Sine, Step, Table
 from controller.grid import NS, whole
-from twin.topology import CHANNELS, OBSERVED
 
 if TYPE_CHECKING:
     from bridge.scenario.model import Scenario
 
 MOST_TIMES = 10_000
-CROSSED = re.compile(r"\s*(\w+)\s*([<>])\s*(.+?)\s*")
-SIGNALS = OBSERVED | {name: channel.unit for name, channel in CHANNELS.items() if name not in OBSERVED}
-EVENTS = (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.LATE, EventKind.MISSED, EventKind.REFUSED)
+EVENTS = (
+    *(EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.LATE, EventKind.MISSED, EventKind.REFUSED),
+    *(EventKind.LATCHED, EventKind.DEGRADED, EventKind.RESTORED, EventKind.ALARM, EventKind.CLEARED),
+)
 Value = float | str
 
 
@@ -43,14 +44,6 @@ class Happening(Part):
     )
     every: Seconds | None = Field(default=None, gt=0.0, description="with `at`: again so long after each beginning")
     times: int = Field(default=1, ge=1, le=MOST_TIMES, description="how often it happens")
-
-
-class Crossing(NamedTuple):
-    """A signal goes past a limit."""
-
-    signal: str  # of SIGNALS
-    upwards: bool
-    limit: float  # SI
 
 
 class Item(NamedTuple):
@@ -103,12 +96,7 @@ def _begins(entry: Happening, instant: Callable[[str, float], int]) -> tuple[int
 def _condition(text: str) -> Crossing | EventKind:
     if text in EVENTS:
         return EventKind(text)
-    match = CROSSED.fullmatch(text)
-    if match is None:
-        raise ValueError(f"when {text!r}: write 'signal > value unit', or one of {', '.join(EVENTS)}")
-    if match[1] not in SIGNALS:
-        raise ValueError(f"when {text!r}: no signal {match[1]!r}{nearest(match[1], SIGNALS)}")
-    return Crossing(match[1], match[2] == ">", quantity(match[3], SIGNALS[match[1]]))
+    return crossing(text, f", or one of {', '.join(EVENTS)}")
 
 
 Made = tuple[Shape, str]
@@ -181,11 +169,6 @@ def _plain_values(target: Tunable, scenario: "Scenario") -> Iterator[float]:
         if entry.set == target.name:
             yield from (in_si(entry.to, target, scenario),) if entry.to is not None else ()
             yield from (in_si(value, target, scenario) for _, value in entry.table or [])
-
-
-def crosses(condition: Crossing, value: float) -> bool:
-    """Is a signal past its limit?"""
-    return value > condition.limit if condition.upwards else value < condition.limit
 
 
 def reached(item: Item) -> Iterator[float]:

@@ -24,12 +24,12 @@ from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
 from bridge.view.rig.stage import Stage, stage
 from bridge.view.timeline import time_column
-from bridge.wire.messages import EventKind
+from bridge.wire.messages import COMING, EventKind
 from controller.grid import NS
 
 APPLICATION = "hydrotwin"
 CHANGES, MARK = "position_mm/change", DARK["violet"]
-GRAVE = (EventKind.LATE, EventKind.REFUSED, EventKind.SAFE)  # kinds of events that a run should not have
+GRAVE = (EventKind.LATE, EventKind.REFUSED, *COMING)  # kinds of events that a run should not have
 
 
 def write(recording: Recording, path: Path) -> Path:

@@ -54,13 +54,13 @@ prints the header of a law in C). A controller of your own, in any language that
     of kind said with your source.
  8. Read <rig>/event. `refused` with your source says why a command was not taken: {REASONS}. The first hundred of a
     kind are events; `missed` names further ones, and commands that never came or came after the end. `second
-    controller` means that the
-    plant belongs to somebody else: leave. `safe`: the valve is centred, since no command came for
-    scenario.loop.command_timeout; the first command of all ends that, and later ones too, unless
-    scenario.loop.after_timeout is "latch": then every command is refused until somebody says reset, `hydrotwin reset`
-    or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment; the sequence goes on counting.
- 9. The run is over when <rig>/status comes with role plant and another phase than running or safe. If the plant dies no
-    status comes: its liveliness token <rig>/alive/plant/* is gone then.
+    controller` means that the plant belongs to somebody else: leave. `safe`: commands do not act any more, and the
+    valve does what scenario.safety.on_trip says, since an alarm of the scenario has come or no command came for
+    scenario.loop.command_timeout. The first command of all ends that, and later ones once the alarm is gone, unless
+    scenario.loop.after_timeout is "latch" or the alarm latches: then every command is refused until somebody says
+    reset, `hydrotwin reset` or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment; the sequence goes on counting.
+ 9. The run is over when <rig>/status comes with role plant and another phase than running, degraded, safe or latched.
+    If the plant dies no status comes: its liveliness token <rig>/alive/plant/* is gone then.
 
 Numbers may change while the loop runs. `changed` on <rig>/event says which and from when on (apply_at, ns); its text is
 "NAME = VALUE" in SI, and perhaps "over N ns", for what somebody has set, and "timeline K: ..." for the scenario's own

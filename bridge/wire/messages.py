@@ -31,17 +31,38 @@ class Mode(StrEnum):
     REALTIME = "realtime"
 
 
+class SafetyState(StrEnum):
+    """How far a plant trusts its loop: docs/safety.md."""
+
+    RUNNING = "running"
+    DEGRADED = "degraded"  # an alarm is there; commands act, as far as `safety.degraded_limit` lets them
+    SAFE = "safe"  # commands do not act; the next valid one ends it, once no alarm keeps it
+    LATCHED = "latched"  # commands do not act until somebody says reset
+
+
+class OnTrip(StrEnum):
+    """What the valve does in the safe state."""
+
+    SHUT_OFF = "shut-off"  # it loses its power: springs centre it, a servo valve goes to `power_off`
+    CENTRE = "centre"  # it keeps its power and is told 0
+    HOLD = "hold"  # the last command goes on
+    RAMP = "ramp"  # from the last command to 0 over `safety.ramp`
+    RETREAT = "retreat"  # `safety.retreat_spool` until the piston is at `safety.retreat_position`, then 0
+
+
 class Phase(StrEnum):
     """How a process is doing, as its status says."""
 
     RUNNING = "running"
+    DEGRADED = "degraded"
     SAFE = "safe"
+    LATCHED = "latched"
     ENDED = "ended"
     INTERRUPTED = "interrupted"
     FAILED = "failed"
 
 
-GOING = (Phase.RUNNING, Phase.SAFE)  # the others are last words
+GOING = (Phase.RUNNING, Phase.DEGRADED, Phase.SAFE, Phase.LATCHED)  # the others are last words
 
 
 class EventKind(StrEnum):
@@ -52,7 +73,12 @@ class EventKind(StrEnum):
     LATE = "late"
     MISSED = "missed"  # commands of a controller never came, or were refused without an event of their own
     REFUSED = "refused"
-    SAFE = "safe"
+    SAFE = "safe"  # commands do not act any more: the plant is safe, or latched where it takes a reset
+    LATCHED = "latched"  # a plant that was safe is latched now
+    DEGRADED = "degraded"  # an alarm is there, and the plant goes on
+    RESTORED = "restored"  # the last alarm of a degraded plant is gone
+    ALARM = "alarm"  # an alarm has come that changes no state
+    CLEARED = "cleared"  # an alarm is gone, which changes no state
     RESET = "reset"
     RESUMED = "resumed"
     CHANGED = "changed"  # a number of the rig or of the controller: by the timeline, or set by somebody
@@ -60,11 +86,18 @@ class EventKind(StrEnum):
     SAID = "said"  # a law has printed or logged a line: the only one of a controller, on a topic of its own
 
 
+COMING = (EventKind.SAFE, EventKind.LATCHED, EventKind.DEGRADED, EventKind.ALARM)  # with a number: an alarm has come
+ALARMING = (  # of the plant's safety, besides `safe` and what ends it
+    *(EventKind.DEGRADED, EventKind.LATCHED, EventKind.RESTORED, EventKind.ALARM, EventKind.CLEARED),
+)
+
+
 class Reason(StrEnum):
     """Why a command was refused."""
 
     UNDECODABLE = "undecodable"
     LATCHED = "latched"
+    ALARM = "alarm"
     FOREIGN_RUN = "foreign run"
     NOT_FINITE = "not finite"
     OUT_OF_RANGE = "out of range"
@@ -150,9 +183,10 @@ int64 stamp       # [ns]
 uint64 run_id
 uint64 sequence
 int64 stamp       # simulated [ns]
-string kind       # started, ended, late, missed, refused, safe, reset, resumed, differs; of a controller: said
+string kind       # started, ended, late, missed, refused, changed, differs; of a controller: said;
+                  # of the plant's safety: safe, latched, degraded, restored, alarm, cleared, reset, resumed
 uint64 source     # of the command it is about, or of the controller that speaks, else 0
-uint64 command    # its sequence, else 0
+uint64 command    # its sequence; or the number of the timeline's entry, of the alarm; else 0
 int64 apply_at    # when the command was to act [ns], else 0
 int64 applied_at  # when it acted [ns], else 0
 string text
@@ -185,7 +219,7 @@ uint64 run_id
 uint64 sequence
 int64 stamp       # simulated [ns]
 string role       # plant, controller, recorder
-string phase      # running, safe; at the end: ended, interrupted, failed
+string phase      # running, degraded, safe, latched; at the end: ended, interrupted, failed
 uint64 pid
 string[] names    # of the values
 float64[] values

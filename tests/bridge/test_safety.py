@@ -86,18 +86,6 @@ def test_the_first_valid_controller_owns_the_plant_until_released():
 def test_patience_ends_a_timeout_after_the_next_command_was_due():
     dog = Watchdog(timeout=int(0.1 * NS), grid=GRID, latching=True)
     assert dog.trip_at(15 * MS) == 15 * MS + 100 * MS
-    dog.trip(owned=True)
-    assert dog.blocks()
-    dog.clear()
-    assert not dog.blocks()
-
-
-def test_only_a_controller_that_owned_the_plant_can_lose_it():
-    """Before the first command the valve is centred anyway: whoever speaks first is heard."""
-    dog = Watchdog(timeout=int(0.1 * NS), grid=GRID, latching=True)
-    dog.trip(owned=False)
-    assert dog.safe
-    assert not dog.blocks()
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bridge.loop.acquisition import Acquisition
 from bridge.loop.controller import ControllerSide, sample_of
 from bridge.loop.further import further_channels
-from bridge.loop.inlet import CENTRED
+from bridge.loop.refuge import CENTRED
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
 from bridge.studies.stability.sampled_law import scaled
