@@ -118,6 +118,11 @@ VERBS = {
     "router": Verb(
         PROCESSES, "processes:router", "Route between machines until interrupted; plants and clients use --connect."
     ),
+    "keys": Verb(
+        PROCESSES,
+        "keys:keys",
+        "Make certificates, passwords and Zenoh configurations for a network on which each role may do only its part.",
+    ),
     "reset": Verb(PROCESSES, "processes:reset", "Bring a plant out of its safe state."),
     "get": Verb(
         PROCESSES, "tuning:get", "Print numbers that can change while a rig runs: their values now, units and limits."

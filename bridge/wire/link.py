@@ -13,9 +13,20 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.errors import RunError
+from bridge.wire.limits import MESSAGE
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 LOOPBACK = ((socket.AF_INET, "127.0.0.1", "127.0.0.1"), (socket.AF_INET6, "::1", "[::1]"))
+NAMES_FILES = (
+    "transport/auth/usrpwd/dictionary_file",
+    *(
+        f"transport/link/tls/{name}"
+        for name in (
+            "root_ca_certificate",
+            *("listen_private_key", "listen_certificate", "connect_private_key", "connect_certificate"),
+        )
+    ),
+)
 WAIT_BEFORE_DROP_US = 10_000  # once; from then on a reader that stays stuck costs nothing
 
 
@@ -92,6 +103,9 @@ def _base(file: Path | None) -> Any:
         config = zenoh.Config.from_file(str(file)) if file else zenoh.Config()
     except zenoh.ZError as error:
         raise LinkError(f"{file}: {_reason(error)}") from None
+    if file:
+        _find_beside(file, config)
+    config.insert_json5("transport/link/rx/max_message_size", str(MESSAGE))
     config.insert_json5("scouting/multicast/enabled", "false")
     if file is None or not os.access("/dev/shm", os.W_OK):  # our messages are too small for it, and it may be missing
         config.insert_json5("transport/shared_memory/enabled", "false")
@@ -99,6 +113,14 @@ def _base(file: Path | None) -> Any:
         config.insert_json5(f"transport/link/tx/queue/size/{priority}", "16")
     config.insert_json5("transport/link/tx/queue/congestion_control/drop/wait_before_drop", str(WAIT_BEFORE_DROP_US))
     return config
+
+
+def _find_beside(file: Path, config: Any) -> None:
+    """A relative path in a configuration counts from the working folder, or from the configuration's where it is."""
+    for key in NAMES_FILES:
+        named = json.loads(config.get_json(key))
+        if named and not Path(named).exists() and (beside := file.resolve().parent / named).exists():
+            config.insert_json5(key, json.dumps(str(beside)))
 
 
 def _reason(error: Exception) -> str:

@@ -1,11 +1,9 @@
-"""The configurations in examples/network at work: a router, TLS with passwords, access control."""
+"""Networks at work: a router; certificates, passwords and access control of `hydrotwin keys`."""
 
 import json
 import re
-import shutil
 import subprocess
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -36,11 +34,10 @@ NOISE = b"no command at all"
 
 @pytest.fixture(scope="module")
 def secured(tmp_path_factory) -> Path:
-    """A folder with fresh credentials in it."""
-    if shutil.which("openssl") is None:
-        pytest.fail("the command openssl is missing: it makes the certificates (Debian: apt-get install openssl)")
+    """A folder with fresh keys in it."""
     folder = tmp_path_factory.mktemp("secured")
-    subprocess.run([str(NETWORK / "make_credentials.sh")], cwd=folder, check=True, timeout=30, capture_output=True)
+    done = hydrotwin_here("keys", "keys", cwd=folder)
+    assert done.returncode == 0, done.stderr
     return folder
 
 
@@ -50,12 +47,12 @@ def tls_endpoint() -> str:
 
 def user(name: str) -> tuple[str, ...]:
     """What a user adds to the command line."""
-    return ("--zenoh-config", f"credentials/{name}.json5")
+    return ("--zenoh-config", f"keys/{name}.json5")
 
 
 def listening(endpoint: str, file: str) -> tuple[str, ...]:
     """What whoever listens adds to the command line."""
-    return ("--listen", endpoint, "--zenoh-config", str(NETWORK / file))
+    return ("--listen", endpoint, "--zenoh-config", f"keys/{file}")
 
 
 def run_apart(
@@ -101,7 +98,7 @@ def test_a_router_carries_an_encrypted_run_of_users_with_passwords(secured):
     endpoint = tls_endpoint()
     names = ("plant", "recorder", "controller")
     known = {name: ("--connect", endpoint, *user(name)) for name in names}
-    with started("router", *listening(endpoint, "tls.json5"), cwd=secured):
+    with started("router", *listening(endpoint, "router.json5"), cwd=secured):
         assert_whole(run_apart(secured, "lockstep", known["plant"], known))
 
 
@@ -109,13 +106,13 @@ def test_a_plant_with_access_control_lets_each_role_do_its_part(secured):
     """Here the plant itself listens and guards its keys."""
     endpoint = tls_endpoint()
     known = {name: ("--connect", endpoint, *user(name)) for name in ("recorder", "controller")}
-    assert_whole(run_apart(secured, "lockstep", listening(endpoint, "access.json5"), known))
+    assert_whole(run_apart(secured, "lockstep", listening(endpoint, "plant-listening.json5"), known))
 
 
 def test_who_may_watch_may_not_tune(secured):
     """The operator sets a number; the recorder's user reads it, and is not heard when it sets one."""
     endpoint = tls_endpoint()
-    with started("plant", "step", "--set", "duration=60", *listening(endpoint, "access.json5"), cwd=secured):
+    with started("plant", "step", "--set", "duration=60", *listening(endpoint, "plant-listening.json5"), cwd=secured):
         tries = ("--connect", endpoint, *user("operator"))
         done = wait_for(lambda: well(hydrotwin_here("set", "rig", "rig.load.force=100 N", *tries, cwd=secured)), 30)
         assert "rig.load.force = 100" in done.stdout
@@ -135,17 +132,22 @@ def well(done: subprocess.CompletedProcess[str]) -> subprocess.CompletedProcess[
 
 @pytest.mark.parametrize(
     ("pattern", "instead"),
-    [(r'password: ".*"', 'password: "guessed"'), (r'user: ".*?"', 'user: "somebody"'), (r"link: .*\n", "")],
-    ids=["password", "user", "authority"],
+    [
+        (r'"password": ".*"', '"password": "guessed"'),
+        (r'"user": ".*?"', '"user": "somebody"'),
+        (r'"root_ca_certificate_base64": ".*",', ""),
+        (r'"connect_(certificate|private_key)_base64": ".*",', ""),
+    ],
+    ids=["password", "user", "authority", "certificate"],
 )
 def test_what_does_not_fit_is_refused_in_one_line(secured, pattern, instead):
-    """A wrong password, an unknown user, and a client that does not know the certificate's authority."""
-    good = (secured / "credentials/recorder.json5").read_text()
+    """A wrong password, an unknown user, a client that does not know the authority, one without a certificate."""
+    good = (secured / "keys/recorder.json5").read_text()
     bad = re.sub(pattern, instead, good)
     assert bad != good
-    (secured / "credentials/bad.json5").write_text(bad)
+    (secured / "keys/bad.json5").write_text(bad)
     endpoint = tls_endpoint()
-    with started("router", *listening(endpoint, "tls.json5"), cwd=secured), session(secured, endpoint, "recorder"):
+    with started("router", *listening(endpoint, "router.json5"), cwd=secured), session(secured, endpoint, "recorder"):
         done = hydrotwin("record", "--connect", endpoint, *user("bad"), "--patience", "1", cwd=secured, timeout=20)
     assert done.returncode == 1
     assert done.stdout == ""
@@ -153,20 +155,15 @@ def test_what_does_not_fit_is_refused_in_one_line(secured, pattern, instead):
     assert line.startswith(f"hydrotwin: nobody answers at {endpoint} within 1 s, or refuses the name, password")
 
 
-@contextmanager
-def session(folder: Path, endpoint: str, name: str) -> Iterator[Any]:
-    """A user's own session; the paths in the configuration are made absolute, as this process works elsewhere."""
-    text = (folder / f"credentials/{name}.json5").read_text()
-    own = folder / f"{name}-absolute.json5"
-    own.write_text(text.replace('"credentials/', f'"{folder}/credentials/'))
-    with open_session(Link(None, endpoint, own, 15.0)) as opened:
-        yield opened
+def session(folder: Path, endpoint: str, name: str) -> Any:
+    """A user's own session."""
+    return open_session(Link(None, endpoint, folder / f"keys/{name}.json5", 15.0))
 
 
 def test_only_the_controller_reaches_the_valve(secured):
     """The same bytes on the same key: the plant counts those of the controller, and of others sees nothing."""
     endpoint = tls_endpoint()
-    plant = ("plant", "step", "--set", "duration=60", "--speed", "0.1", *listening(endpoint, "access.json5"))
+    plant = ("plant", "step", "--set", "duration=60", "--speed", "0.1", *listening(endpoint, "plant-listening.json5"))
     with (
         started(*plant, cwd=secured),
         session(secured, endpoint, "recorder") as outsider,
@@ -198,9 +195,9 @@ def refused(status: dict[str, float]) -> dict[str, float]:
 def test_a_router_without_addresses_in_its_file_listens_where_it_is_told(tmp_path):
     """So that one file serves routers and plants on any address."""
     assert names_addresses(NETWORK / "router.json5")
-    assert not names_addresses(NETWORK / "tls.json5")
     endpoint = free_endpoint()
     (tmp_path / "empty.json5").write_text("{}")
+    assert not names_addresses(tmp_path / "empty.json5")
     router = ("router", "--listen", endpoint, "--zenoh-config", "empty.json5")
     with started(*router, cwd=tmp_path), open_session(Link(None, endpoint, None, 15.0)) as opened:
         assert len(list(opened.info.routers_zid())) == 1
