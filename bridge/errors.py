@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 LIKENESS = 0.55  # of 1: below this a suggestion would mislead
+SLIP = 0.8  # of 1: from this on it is likely the same word
 FOLDER_GONE = "the working folder no longer exists; change to another one"
 
 
@@ -29,6 +30,11 @@ class MisplacedError(ValueError):
     def __init__(self, key: str, text: str) -> None:
         super().__init__(text)
         self.key = key
+
+
+def has_near(word: str, valid: Collection[str]) -> bool:
+    """Is there a word that is so like it that only a slip of the pen can be between them?"""
+    return bool(difflib.get_close_matches(word, valid, n=1, cutoff=SLIP))
 
 
 def nearest(word: str, valid: Collection[str], further: str = "") -> str:

@@ -76,3 +76,8 @@ def kept(values: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple[str, Kept]]
 def sensors(values: Mapping[str, Mapping[str, Any]]) -> dict[str, Sensor]:
     """All that the channels of a drive may read, of the rig's numbers."""
     return SENSORS | {name: entry.sensor for name, (_, entry) in kept(values).items()}
+
+
+def channel_name(written: str) -> str:
+    """A channel as messages name it; of a part of the rig it may be written with a dot."""
+    return written.strip().replace(".", "_")

@@ -85,6 +85,6 @@ def _model(given: dict[str, Any], declared: Any, where: str) -> Any:
     try:
         return declared.model_validate(given)
     except ValidationError as errors:
-        places = [(".".join(map(str, error["loc"])), error) for error in errors.errors()]
-        lines = [f"{PLACE}.{place}: {error['msg'].lower()} (got {error['input']!r:.60})" for place, error in places]
-        raise ScenarioError("\n".join(f"{line}, by {where}" for line in lines)) from None
+        from bridge.scenario.mistakes import lines
+
+        raise ScenarioError("\n".join(f"{PLACE}.{line}, by {where}" for line in lines(errors))) from None

@@ -8,6 +8,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from bridge.errors import is_hidden, nearest
 from bridge.scenario.units import ABSOLUTE, UNITS, quantity, split
+from twin.kept import channel_name
 
 
 class Part(BaseModel):
@@ -108,14 +109,9 @@ def _file_name(text: str) -> str:
     return text
 
 
-def _channel(name: str) -> str:
-    """A channel as messages name it; of a part of the rig it may be written with a dot."""
-    return name.strip().replace(".", "_")
-
-
 Line = Annotated[str, AfterValidator(_one_line)]
 FileName = Annotated[Line, AfterValidator(_file_name)]
-ChannelName = Annotated[str, AfterValidator(_channel)]
+ChannelName = Annotated[str, AfterValidator(channel_name)]
 Seconds = Annotated[float, Measured("s")]
 Metres = Annotated[float, Measured("m")]
 Speed = Annotated[float, Measured("m/s")]
@@ -126,6 +122,8 @@ Acceleration = Annotated[float, Measured("m/s^2")]
 Hertz = Annotated[float, Measured("Hz")]
 Pressure = Annotated[float, Measured("Pa", gauge=True)]
 Fraction = Annotated[float, Measured("")]
+Bits = Annotated[float, Measured("bit")]
+LeastBits = Annotated[float, Measured("LSB")]
 TickShare = Annotated[float, Share("ticks")]
 CommandShare = Annotated[float, Share("commands")]
 ProportionalGain = Annotated[str, Gain("V/%", "1/m")]

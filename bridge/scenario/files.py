@@ -73,7 +73,15 @@ def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
         beside = folder / str(base)
         found = _merged(found, _read(str(beside) if beside.is_file() else str(base), (*extended_by, place)))
         found.pop("name", None)
-    return _merged(found, data)
+    return with_own(found, data)
+
+
+def with_own(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Plain data on top of those that they extend."""
+    from bridge.scenario.inherited import without_unfitted
+
+    daq = own.get("daq")
+    return without_unfitted(_merged(base, own), base, isinstance(daq, dict) and "channels" in daq)
 
 
 def _by_way_of(places: tuple[str, ...]) -> str:

@@ -10,11 +10,13 @@ from bridge.scenario.channels import refuse_unknown
 from bridge.scenario.controllers import Controller, Pd
 from bridge.scenario.fields import (
     Acceleration,
+    Bits,
     ChannelName,
     CommandShare,
     FileName,
     Flow,
     Force,
+    LeastBits,
     Line,
     Measured,
     Metres,
@@ -72,16 +74,16 @@ class Loop(Part):
 class Daq(Part):
     """The data acquisition card; each of its effects can be switched off."""
 
-    bits: float = Field(default=12.0, ge=1.0, le=32.0, description="2.2.2")
+    bits: Bits = Field(default=12.0, ge=1.0, le=32.0, description="2.2.2")
     position_range: Metres = Field(default=0.3, gt=0.0, description="0 to this, 2.2.2")
     velocity_range: Speed = Field(default=1.0, gt=0.0, description="+- this, tachometer, assumed")
     pressure_range: Pressure = Field(default=250e5, gt=0.0, description="0 to this, assumed")
-    noise: float = Field(default=0.5, ge=0.0, description="LSB rms, assumed; 0 for none")
+    noise: LeastBits = Field(default=0.5, ge=0.0, description="LSB rms, assumed; 0 for none")
     skew: Seconds = Field(default=SKEW, ge=0.0, description="from channel to channel, 2.2.2; 0 for none")
     quantise: bool = True
     clip: bool = True
     tachometer: bool = True
-    output_bits: float = Field(
+    output_bits: Bits = Field(
         default=12.0, ge=1.0, le=32.0, description="2.2.2; 0 to 10 V, assumed to span the valve's whole input"
     )
     quantise_output: bool = True

@@ -9,6 +9,7 @@ from bridge.scenario.channels import chosen
 from bridge.scenario.controllers import parameter_in_si
 from bridge.scenario.fields import Gain, Measured
 from bridge.scenario.gains import scale_of
+from bridge.scenario.mistakes import lines
 from bridge.scenario.units import quantity
 from controller.reference import evaluate
 from twin.rig import BUILT_IN, RIG, Number
@@ -110,8 +111,7 @@ def with_controller(scenario: "Scenario", numbers: dict[str, float]) -> "Scenari
         changed = type(controller).model_validate(plain)
         changed.refuse_period(scenario.loop.sample_period)
     except ValidationError as error:
-        first = error.errors()[0]
-        raise ScenarioError(f"controller.{'.'.join(map(str, first['loc']))}: {first['msg'].lower()}") from None
+        raise ScenarioError(f"controller.{next(lines(error))}") from None
     except ValueError as error:
         raise ScenarioError(str(error)) from None
     return scenario.model_copy(update={"controller": changed})

@@ -213,7 +213,7 @@ def test_parameters_arrive_in_si_and_make_the_law_that_our_pid_is(elsewhere: Pat
         (DATACLASS, ["kp=1", "kj=1"], "controller.parameters.kj: pi.py declares none (valid: kp, ki, deep)"),
         (DATACLASS, ["kp=true"], "controller.parameters.kp = True: pi.py wants a number"),
         (DATACLASS, ["kp=1", "deep=2"], "controller.parameters.deep = 2: pi.py wants true or false"),
-        (MODEL, ["kp=-1"], "controller.parameters.kp: input should be greater than 0 (got -1), by pi.py"),
+        (MODEL, ["kp=-1"], "controller.parameters.kp: -1 must be greater than 0.0, by pi.py"),
         (MODEL, ["kp=1", "kj=1"], "controller.parameters.kj: pi.py declares none"),
         ("Parameters = 3\n", ["kp=1"], "pi.py: Parameters is neither a dataclass nor a pydantic model"),
     ],
