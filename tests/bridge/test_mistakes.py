@@ -19,7 +19,9 @@ def said(tmp_path, text: str, changes: list[str] | None = None) -> list[str]:
     return []
 
 
-@pytest.mark.parametrize("section", ["start", "loop", "controller", "reference", "daq", "safety", "real_time", "allowed"])
+@pytest.mark.parametrize(
+    "section", ["start", "loop", "controller", "reference", "daq", "safety", "real_time", "allowed"]
+)
 def test_a_section_of_its_own_under_the_rig_is_told_where_it_stands(tmp_path, section):
     own = f"rig.{section}: not a part of the rig but a section of its own; write [{section}] "
     (line,) = said(tmp_path, f"{PRESS}[rig.{section}]\nx = 1\n")
