@@ -68,6 +68,8 @@ def _stability(outcome: "Outcome") -> list[str]:
 def _counts(summary: "Summary") -> Iterable[str]:
     if overruns := summary.timing and summary.timing.overruns:
         burst = f"most ticks caught up {overruns.burst}"
+        if overruns.skipped:
+            burst = f"{overruns.skipped} periods skipped"
         yield f"overruns   {overruns.number}, longest {overruns.worst * 1e3:.2f} ms, {burst}"
     if commands := summary.commands:
         taken = "" if commands.taken is None else f", {commands.taken} taken"

@@ -23,7 +23,7 @@ from bridge.wire.link import DEFAULT_ENDPOINT
 if TYPE_CHECKING:
     from bridge.processes.recorder.run_file import Request
 
-TRIGGERS = "late,refused,safe"
+TRIGGERS = "late,refused,safe,degraded,latched,alarm"
 TOPICS = Annotated[list[str] | None, typer.Option("--topics", help="Only these: 'state,pressure/*'. Repeatable.")]
 WITHOUT = Annotated[list[str] | None, typer.Option("--without", help="Leave these out. Repeatable.")]
 
@@ -41,7 +41,12 @@ def record(
     split_time: Annotated[str | None, typer.Option(help="Begin a new file after so long: '60 s'.")] = None,
     ring: Annotated[str | None, typer.Option(help="Keep only the last '10 s' before a trigger.")] = None,
     after: Annotated[str, typer.Option(help="With --ring: how long to keep recording after a trigger.")] = "1 s",
-    triggers: Annotated[str, typer.Option(help="With --ring: kinds of events, or 'none' to save by query.")] = TRIGGERS,
+    triggers: Annotated[
+        str,
+        typer.Option(
+            help="With --ring: kinds of events, and signals past limits ('safe,p2 > 60 bar'); 'none' to save by query."
+        ),
+    ] = TRIGGERS,
     meta: Annotated[list[str] | None, typer.Option(metavar="KEY=VALUE", help="Extra metadata. Repeatable.")] = None,
     fsync: Annotated[bool, typer.Option("--fsync", help="Have each chunk on the disk itself: for power cuts.")] = False,
     connect: CONNECT = DEFAULT_ENDPOINT,
@@ -51,7 +56,8 @@ def record(
 ) -> None:
     """Record everything on a rig's keys to an MCAP file until the plant ends.
 
-    With --ring nothing is written until something happens: an event, or a query to RIG/recorder/save.
+    With --ring nothing is written until something happens: an event, a signal that goes past a limit, or a query to
+    RIG/recorder/save.
     """
     from bridge.processes.recorder.process import run_recorder
     from bridge.recording.names import own_name
@@ -78,6 +84,7 @@ def _request(
     from bridge.processes.recorder.parts import Keeping
     from bridge.processes.recorder.ring import Window
     from bridge.processes.recorder.run_file import Request
+    from bridge.processes.recorder.triggers import split
     from bridge.recording.choice import choose
     from bridge.scenario.units import option
     from bridge.wire.messages import TOPICS as ALL
@@ -91,8 +98,8 @@ def _request(
         fsync,
     )
     window = None if ring is None else Window(nanoseconds("ring", ring), nanoseconds("after", after))
-    kinds = () if triggers == "none" else tuple(kind.strip() for kind in triggers.split(","))
-    return Request(keeping, window, kinds, tuple(_pair(text) for text in meta or []))
+    kinds, conditions = split(triggers)
+    return Request(keeping, window, kinds, conditions, tuple(_pair(text) for text in meta or []))
 
 
 def _pair(text: str) -> tuple[str, str]:

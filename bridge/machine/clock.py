@@ -14,6 +14,7 @@ class Tick(NamedTuple):
     number: int
     due: int
     lateness: int
+    skipped: int = 0  # periods that it is due later than by its number
 
 
 def ticks(
@@ -21,16 +22,21 @@ def ticks(
     now: Callable[[], int] = time.monotonic_ns,
     sleep: Callable[[float], None] = time.sleep,
     spin_ns: int = SPIN_NS,
+    skip: bool = False,
 ) -> Iterator[Tick]:
-    """Wait for start + k * period, k = 1, 2, ...: delays never add up, missed ticks come back to back."""
-    start = now()
+    """Wait for start + k * period, k = 1, 2, ...: delays never add up, missed ticks come back to back.
+
+    skip: they do not hurry; after a tick that was periods late all further ones are due so many periods later.
+    """
+    start, skipped = now(), 0
     for k in count(1):
-        due = start + round(k * period_ns)
+        due = start + round((k + skipped) * period_ns)
         if (wait := due - now() - spin_ns) > 0:
             sleep(wait * 1e-9)
         while (lateness := now() - due) < 0:
             pass
-        yield Tick(k, due, lateness)
+        yield Tick(k, due, lateness, skipped)
+        skipped += int(lateness // period_ns) if skip else 0
 
 
 class Overruns:
@@ -44,6 +50,10 @@ class Overruns:
         self.worst = 0  # [ns]
         self.burst = 0  # most ticks that had to be caught up in a row
         self._running = 0
+
+    def beyond(self, ticks: float, length: float) -> bool:
+        """Are more ticks late, or one of them later [ns], than a run may have?"""
+        return self.ticks > ticks or self.worst > length
 
     def add(self, lateness: int, elapsed: float) -> None:
         """Take note of a tick's lateness; `elapsed`: wall time since the start [ns]."""

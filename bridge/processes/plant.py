@@ -25,7 +25,7 @@ from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, decode, ready
 from bridge.wire.events import last_words, reason_of
 from bridge.wire.link import Link
-from bridge.wire.messages import ALARMING, Ending, EventKind, Mode, Outgoing, Phase
+from bridge.wire.messages import ALARMING, Ending, EventKind, Mode, OnOverrun, Outgoing, Phase
 from bridge.wire.status import Pace, PlantReport, PlantStatus, numbers_of
 from controller.grid import NS, is_sample
 
@@ -168,7 +168,7 @@ class PlantProcess:
         overruns = Overruns(period, policy.grace * NS)
         self._publish(self.side.start(), time.monotonic_ns())
         latest = 0
-        for tick in ticks(period):
+        for tick in ticks(period, skip=policy.on_overrun == OnOverrun.SKIP):
             trip, slack = self._take_commands(tick.due, period)
             self._aim()
             self._publish(self.side.tick(), time.monotonic_ns())
@@ -177,11 +177,23 @@ class PlantProcess:
             now = time.monotonic_ns()
             self._time(tick.lateness, now - tick.due - tick.lateness, trip, slack)
             worst, burst = overruns.worst / NS, overruns.burst
-            self.pace = Pace(overruns.count, worst, burst, latest / NS, trip / NS, overruns.ticks)
+            self.pace = Pace(overruns.count, worst, burst, latest / NS, trip / NS, overruns.ticks, tick.skipped)
+            self._stop_where_late(overruns)
             if self._report_when_due(now):
                 latest = 0
             if tick.number >= self.scenario.ticks or self.stop():
                 return
+
+    def _stop_where_late(self, overruns: Overruns) -> None:
+        """Raises RunError where ticks are later than allowed and the scenario wants to end then."""
+        policy = self.scenario.real_time
+        most = policy.overruns * self.scenario.ticks
+        if policy.on_overrun == OnOverrun.STOP and overruns.beyond(most, policy.length * NS):
+            raise RunError(
+                f"{overruns.ticks} ticks came a period or more late, the worst by {overruns.worst / 1e6:.1f} ms: "
+                f"real_time allows {most:g} (overruns), by at most {policy.length * 1e3:g} ms (length), "
+                "and on_overrun is 'stop'"
+            )
 
     def _take_commands(self, due: int, period: float) -> tuple[int, int]:
         """Take all that has come; the newest round trip and how early it was [ns], -1 and 0 without one."""

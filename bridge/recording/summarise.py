@@ -89,7 +89,7 @@ def _last_overruns(recording: Recording) -> OverrunTotals | None:
     if pace is None or pace.pace is None:
         return None
     _, worst, burst = pace.pace[:3]
-    return OverrunTotals(pace.pace.overruns, worst, burst, pace.pace.late_ticks)
+    return OverrunTotals(pace.pace.overruns, worst, burst, pace.pace.late_ticks, pace.pace.skipped)
 
 
 def _last_status(recording: Recording) -> PlantStatus | None:

@@ -42,10 +42,12 @@ class OverrunTotals(NamedTuple):
     worst: float  # [s]
     burst: int  # most ticks caught up in a row
     ticks: int | None = None  # late ones; None in recordings that do not say
+    skipped: int = 0  # periods that the run was behind the clock at its end
 
     def plain(self) -> dict[str, Any]:
         """For JSON and metadata."""
         known = {} if self.ticks is None else {"ticks": self.ticks}
+        known |= {"skipped": self.skipped} if self.skipped else {}
         return {"count": self.number, "worst": self.worst, "burst": self.burst} | known
 
     @classmethod
@@ -54,7 +56,7 @@ class OverrunTotals(NamedTuple):
         if not _mapping(values):
             return None
         worst, burst = _number(values, "worst", 0.0), _count(values, "burst")
-        return cls(_count(values, "count"), worst, burst, _known_count(values, "ticks"))
+        return cls(_count(values, "count"), worst, burst, _known_count(values, "ticks"), _count(values, "skipped"))
 
 
 class TimingSummary(NamedTuple):

@@ -33,6 +33,7 @@ from bridge.scenario.references import Reference
 from bridge.scenario.requirements import Expectation, Expected
 from bridge.scenario.safety import Alarm, Safety, refuse_unsafe
 from bridge.scenario.timeline import Happening, plan
+from bridge.wire.messages import OnOverrun
 from controller.grid import NS, Sampling, sampling
 from twin.quantity import Choice, Entry, Table
 from twin.rig import RIG, values
@@ -106,6 +107,9 @@ class RealTime(Part):
     )
     length: Seconds = Field(default=100e-3, ge=0.0, description="how late a tick may be")
     grace: Seconds = Field(default=0.5, ge=0.0, description="of wall time at the start, where nothing counts")
+    on_overrun: OnOverrun = Field(
+        default=OnOverrun.CATCH_UP, description="when ticks are late: hurry, go on at the clock's pace, or end the run"
+    )
 
 
 class Allowed(Part):

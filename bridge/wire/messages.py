@@ -40,6 +40,14 @@ class SafetyState(StrEnum):
     LATCHED = "latched"  # commands do not act until somebody says reset
 
 
+class OnOverrun(StrEnum):
+    """What a plant in real time does when a tick came a period late, or later."""
+
+    CATCH_UP = "catch-up"  # missed ticks follow back to back until it is in time again
+    SKIP = "skip"  # it goes on at the pace of the clock, and stays behind it by whole periods
+    STOP = "stop"  # the run ends once more or longer ones than `real_time` allows have happened
+
+
 class OnTrip(StrEnum):
     """What the valve does in the safe state."""
 

@@ -38,6 +38,11 @@ class Pace(NamedTuple):
     lateness: float  # [s] wall, the greatest since the last status
     round_trip: float  # [s] wall, of the newest command; below zero without a new one
     late_ticks: int = 0  # a period or more late; a row of them is one overrun
+    skipped: int = 0  # periods that the run is behind the clock, since it skips
+
+    def plain(self) -> dict[str, float]:
+        """Names and numbers of the message; a run that skips nothing says nothing of it."""
+        return {name: value for name, value in self._asdict().items() if name != "skipped" or value}
 
 
 class PlantStatus(NamedTuple):
@@ -58,7 +63,7 @@ class PlantStatus(NamedTuple):
         """Names and numbers of the message."""
         own = {name: value for name, value in zip(self._fields[:6], self[:6], strict=True) if value is not None}
         reading = self.reading.plain() if self.reading else {}
-        pace = self.pace._asdict() if self.pace else {}
+        pace = self.pace.plain() if self.pace else {}
         return own | reading | counted(REFUSED, self.refused) | pace | counted(PUBLISHED, self.published)
 
     @classmethod
@@ -120,6 +125,7 @@ def _pace(values: Mapping[str, float]) -> Pace | None:
         lateness=values.get("lateness", 0.0),
         round_trip=values.get("round_trip", -1.0),
         late_ticks=_whole(values, "late_ticks"),
+        skipped=_whole(values, "skipped"),
     )
 
 

@@ -44,6 +44,25 @@ def test_missed_ticks_come_back_to_back_with_their_own_lateness():
     assert [round(value / 1e6, 1) for value in late] == [3.5, 2.5, 1.5, 0.5, 0.0]
 
 
+def test_ticks_that_are_skipped_leave_the_rest_on_the_grid_of_the_clock():
+    """4.5 periods late: the next one comes half a period later, and no tick is left out."""
+    clock = FakeClock(look=1)
+    pace = ticks(1_000_000.0, clock.now, clock.sleep, skip=True)
+    first = next(pace)
+    clock.time += 5_500_000
+    late, *rest = islice(pace, 4)
+    assert round(late.lateness / 1e6, 1) == 4.5
+    assert [(tick.number, tick.skipped) for tick in rest] == [(3, 4), (4, 4), (5, 4)]
+    assert [tick.due - first.due for tick in rest] == [k * 1_000_000 for k in (6, 7, 8)]
+    assert all(tick.lateness < 10 for tick in rest)
+
+
+def test_a_run_ends_when_more_or_longer_ones_came_than_it_may_have():
+    overruns = Overruns(period_ns=1_000, grace_ns=0)
+    overruns.add(3_500, elapsed=1)
+    assert [overruns.beyond(1, 4_000), overruns.beyond(0.5, 4_000), overruns.beyond(1, 3_000)] == [False, True, True]
+
+
 def test_an_overrun_is_counted_once_with_its_length_and_burst():
     overruns = Overruns(period_ns=1_000, grace_ns=0)
     for lateness in (0, 3_500, 2_500, 1_500, 500, 0, 1_200, 0):

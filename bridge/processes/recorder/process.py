@@ -13,12 +13,7 @@ from typing import Any
 from bridge.errors import RunError
 from bridge.machine.process import NOTE, Stop
 from bridge.processes.contact import Contact
-from bridge.processes.recorder.run_file import (
-    ORDERING,
-    Arrival,
-    Request,
-    RunFile,
-)
+from bridge.processes.recorder.run_file import Arrival, Request, RunFile
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.guide import TOKEN
 from bridge.wire.link import Link
@@ -56,7 +51,7 @@ class RecorderProcess:
         self._saves = 0  # triggers from outside that are not heeded yet
         self._inbox: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         for topic in TOPICS:
-            if self.request.wants(topic) or topic in ORDERING:
+            if self.request.follows(topic):
                 bus.subscribe(topic, lambda sample, topic=topic: self._keep(topic, sample))
         bus.answer(SAVE, self._save)
         bus.watch()

@@ -20,6 +20,7 @@ class Ring:
         self.triggers = 0
         self._kept: deque[tuple[str, int, int, bytes]] = deque()
         self._open_until = -1  # log time up to which messages go straight through
+        self._open_from = 0  # log time from which on
         self._now = 0
 
     @property
@@ -30,6 +31,8 @@ class Ring:
     def trigger(self, time: int) -> None:
         """Something happened at a time [ns]: what is kept goes out with the next message."""
         self.triggers += 1
+        if not self.open:
+            self._open_from = time - self.window.before
         self._open_until = max(self._open_until, time + self.window.after)
 
     def add(self, topic: str, log_time: int, sequence: int, payload: bytes) -> Iterator[tuple[str, int, int, bytes]]:
@@ -42,6 +45,8 @@ class Ring:
             yield from self.drain()
 
     def drain(self) -> Iterator[tuple[str, int, int, bytes]]:
-        """Give out all that is kept."""
+        """Give out all that is kept, but what is too old: a trigger may be known before messages of its time come."""
         while self._kept:
-            yield self._kept.popleft()
+            message = self._kept.popleft()
+            if message[1] >= self._open_from:
+                yield message

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from bridge.processes.recorder.order import Order
 from bridge.processes.recorder.parts import Keeping, Parts
 from bridge.processes.recorder.ring import Ring, Window
+from bridge.processes.recorder.triggers import Triggers, topics_of
 from bridge.recording.reader import Recording, read
 from bridge.recording.summarise import NEEDED, summarise
 from bridge.recording.tally import Tally
@@ -19,7 +20,7 @@ from bridge.recording.writer import FLUSH_PERIOD
 from bridge.scenario import Scenario, check
 from bridge.scenario.channels import layout_of
 from bridge.wire.codec import decode
-from bridge.wire.messages import CHANNELS_TOPIC, GOING, SOURCED, TOLD, TOPICS, EventKind, Mode
+from bridge.wire.messages import CHANNELS_TOPIC, GOING, SOURCED, TOPICS, EventKind, Mode
 from bridge.wire.status import PUBLISHED, counts, numbers_of
 from controller.grid import NS
 
@@ -41,11 +42,16 @@ class Request(NamedTuple):
     keeping: Keeping = Keeping()
     window: Window | None = None  # None: everything; else only what is around triggers
     triggers: tuple[str, ...] = ()  # kinds of events
+    conditions: tuple[str, ...] = ()  # "p2 > 60 bar": a signal goes past a limit
     metadata: tuple[tuple[str, str], ...] = ()  # the user's own
 
     def wants(self, topic: str) -> bool:
         """Is a topic to be recorded?"""
         return self.keeping.topics is None or topic in self.keeping.topics
+
+    def follows(self, topic: str) -> bool:
+        """Must a topic be heard, recorded or not?"""
+        return self.wants(topic) or topic in ORDERING or topic in topics_of(self.conditions)
 
 
 class RunFile:
@@ -73,6 +79,7 @@ class RunFile:
         self._ring = Ring(request.window) if request.window else None
         head = {"run": manifest | {"recorded": time.strftime("%Y-%m-%dT%H:%M:%S%z")}}
         self._layout = layout_of(self.scenario)
+        self._triggers = Triggers(request.triggers, request.conditions, self._layout)
         self._parts = Parts(path, self.scenario.rig_name, head | _own(request), request.keeping, self._layout)
         if self._ring is None:
             self._parts.open()
@@ -139,7 +146,7 @@ class RunFile:
             self._ending = message.text
         if topic == "event" and message.kind == EventKind.DIFFERS:
             self.mixed.append(message.text)
-        if topic in TOLD and message.kind in self.request.triggers:
+        if self._ring is not None and self._triggers.heed(topic, message):
             self.trigger(message.stamp)
 
     def _write(self, messages: Iterable[tuple[str, int, int, bytes]]) -> None:
@@ -188,6 +195,9 @@ class RunFile:
         ending = self._ending or ("complete in itself: the run went on" if self._ring is not None else summary.ending)
         writer = self._parts.open()
         writer.metadata("summary", summary._replace(ending=ending, rejected=self.rejected).plain())
+        causes = [f"{cause.by} at {cause.time / NS:g} s" for cause in self._triggers.causes]
+        facts |= {"triggered": causes} if causes else {}
+        self._triggers.causes.clear()
         writer.metadata("recorder", facts | {"longest_flush": max(self._parts.longest, writer.sink.longest)})
         self._parts.close()
 
@@ -223,7 +233,7 @@ def _own(request: Request) -> dict[str, dict[str, Any]]:
     if request.keeping.topics is not None:
         own["chosen"] = {"topics": sorted(request.keeping.topics), "of": list(TOPICS)}
     if request.window is not None:
-        own["ring"] = {**request.window._asdict(), "triggers": list(request.triggers)}
+        own["ring"] = {**request.window._asdict(), "triggers": [*request.triggers, *request.conditions]}
     return own
 
 
