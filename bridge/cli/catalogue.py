@@ -23,6 +23,11 @@ VERBS = {
         RUN, "sweep:sweep", "Run a scenario at every combination of some of its values: a table, CSV and a picture."
     ),
     "tune": Verb(RUN, "tune:tune", "Find the values of a scenario that make a metric smallest, within bands."),
+    "campaign": Verb(
+        RUN,
+        "campaign:campaign",
+        "Run a matrix of scenarios, faults, parameters and seeds, and judge every run by its bands.",
+    ),
     "scenarios": Verb(LOOK, "scenarios:scenarios", "List the built-in scenarios."),
     "schema": Verb(LOOK, "scenarios:schema", "Print the JSON schema of scenario files, for editors."),
     "describe": Verb(

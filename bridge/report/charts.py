@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.drawing.colours import LIGHT
+from bridge.drawing.thin import thinned
 from bridge.recording.changes import changes, mark, shade, spans
 from bridge.recording.shown import GROUPS, MEASURED, Curve, Group
 from bridge.report.subject import Run
-from bridge.report.thin import thinned
 from bridge.scenario.fitted import kind_of, of_drive, positive_words
 from twin.topology import CAVITIES
 

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.drawing.colours import LIGHT
+from bridge.drawing.thin import STRETCHES, thinned
 from bridge.recording.shown import ORDER
 from bridge.recording.signals import Signal, signals_of
 from bridge.report.charts import RUNS, canvas, finish
 from bridge.report.subject import Run
-from bridge.report.thin import STRETCHES, thinned
 from bridge.scenario.units import shown
 from bridge.wire.messages import CHANNELS_TOPIC
 from controller.grid import NS

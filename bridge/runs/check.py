@@ -110,9 +110,9 @@ def check_scenario(scenario: Scenario, mode: Mode, folder: Path) -> CheckResult:
     return CheckResult(scenario.name, verdicts, faults, outcome.notes, outcome.recording, outcome.interrupted, seconds)
 
 
-def junit_xml(results: list[CheckResult]) -> str:
+def junit_xml(results: list[CheckResult], title: str = "hydrotwin check") -> str:
     """The results as JUnit XML: one test case per band, with what was found and its requirement, and one of the run."""
-    suites = ET.Element("testsuites", name="hydrotwin check")
+    suites = ET.Element("testsuites", name=title)
     for result in results:
         name, taken = visible(result.name), f"{result.seconds:.3f}"
         if result.refused:

@@ -14,6 +14,7 @@ from bridge.scenario.matrices_file import note_change, with_matrices, without_or
 from bridge.scenario.units import quantity
 
 UNION_SECTIONS = ("controller", "reference")  # whose `kind` says what else stands in them
+GATHERED = ("timeline", "fault", "alarm", "expect")  # lists that a piece of a scenario adds to
 NAMES = {list: "list", str: "text", int: "number", float: "number"}  # of what a JSON file may hold instead
 DURATION = 10.0  # [s] of a scenario that gives none
 
@@ -96,6 +97,12 @@ def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         if isinstance(base.get(key), dict) and isinstance(own[key], dict)
     }
     return base | own | both
+
+
+def with_piece(data: dict[str, Any], piece: dict[str, Any]) -> dict[str, Any]:
+    """Plain data with a piece of a scenario laid over them: sections are merged, entries of GATHERED are added."""
+    added = {key: [*data.get(key, []), *piece[key]] for key in GATHERED if isinstance(piece.get(key), list)}
+    return _merged(data, piece | added)
 
 
 def _kept(section: str, values: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:

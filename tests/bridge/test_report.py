@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bridge.drawing.thin import thinned
 from bridge.errors import RunError, UsageError
 from bridge.report.difference import metric_rows, parameter_rows, signal_differences
 from bridge.report.page import page, write_report
 from bridge.report.subject import Run, load_run, named_apart
-from bridge.report.thin import thinned
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.scenario.bands import METRICS, value_with_unit

@@ -72,7 +72,7 @@ def axes_from(values: Mapping[str, str | Sequence[Any]], scenario: "Scenario") -
 def _from_python(name: str, given: str | Sequence[Any], scenario: "Scenario") -> Axis:
     if isinstance(given, str):
         return axis(name, given, scenario)
-    return _listed(name, [_written(value) for value in given], scenario)
+    return listed(name, [_written(value) for value in given], scenario)
 
 
 def _written(value: Any) -> str:
@@ -110,7 +110,7 @@ def axis(name: str, values: str, scenario: "Scenario") -> Axis:
         if _are_numbers(texts):
             texts = with_shared_unit(texts)
             refuse_unitless(scenario, name, texts)
-        return _listed(name, texts, scenario)
+        return listed(name, texts, scenario)
     return _between(name, spread, scenario)
 
 
@@ -141,7 +141,8 @@ def with_shared_unit(texts: list[str]) -> list[str]:
     return [text if split(text)[1] else f"{text} {unit}" for text in texts]
 
 
-def _listed(name: str, texts: list[str], scenario: "Scenario") -> Axis:
+def listed(name: str, texts: list[str], scenario: "Scenario") -> Axis:
+    """The axis of values that stand in a list. Raises UsageError."""
     if not _are_numbers(texts):
         return Axis(name, tuple(texts), "", "", None)
     unit, si_unit = _unit(texts, name, scenario), si_unit_at(scenario, name)

@@ -27,7 +27,7 @@ def run_of(
     asked = [measure(words) for words in measures]
     try:
         scenario = changed(dict(base), point["changes"], which)
-        found, summary = _run(scenario, Path(keep) / point["name"] if keep else None)
+        found, summary = run_alone(scenario, Path(keep) / point["name"] if keep else None)
     except (UsageError, RunError) as error:
         return _without(asked, "; ".join(str(error).splitlines()))
     if faults := verdict(summary, scenario):
@@ -36,7 +36,8 @@ def run_of(
     return {"values": values_of(asked, scenario, summary, found), "reason": "", "failed": failed}
 
 
-def _run(scenario: Scenario, path: Path | None) -> tuple[Recording, Summary]:
+def run_alone(scenario: Scenario, path: Path | None = None) -> tuple[Recording, Summary]:
+    """A run in this process, recorded where there is a path for it. Raises RunError."""
     if path is None:
         return run_unrecorded(scenario)
     found = record_in_process(scenario, path)

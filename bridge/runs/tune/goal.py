@@ -78,9 +78,14 @@ def goal_of(minimise: str, subject_to: list[str]) -> Goal:
 
 def _limit(text: str) -> Limit:
     try:
-        band = parse_band(text)
+        return limit_of(text)
     except ValueError as error:
         raise UsageError(f"--subject-to {str(error).removeprefix('expect ')}") from None
+
+
+def limit_of(text: str) -> Limit:
+    """The band that a text states, and the measure that it limits. Raises ValueError naming the nearest."""
+    band = parse_band(text)
     words = re.split("<=|>=", text)[0].strip()
     if isinstance(band, Band) and ":" in words:  # "limit cycle: none"
         words = band.metric.replace("_", " ")

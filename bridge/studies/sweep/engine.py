@@ -2,8 +2,8 @@
 
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from bridge.machine.host import versions
-from bridge.studies.sweep.crew import Done, Task, chosen, cores
+from bridge.studies.sweep.crew import Ask, Task, chosen, cores
 from bridge.studies.sweep.journal import (
     Journal,
     Point,
@@ -43,24 +43,54 @@ def sweep(
     what else the results depend on. Raises UsageError when `part` belongs to another sweep, RunError when the
     cluster does not answer, and whatever the task raises.
     """
+    with rounds(task, about, part, crew) as ask:
+        return ask(points)
+
+
+@contextmanager
+def rounds(
+    task: Task, about: Mapping[str, Any], part: Path | None, crew: Crew = ALL_CORES, most: int = 0
+) -> Iterator["Rounds"]:
+    """The same for points that are asked for in several rounds; `part` is removed when all is well in the end.
+
+    most: so many points will be asked for at once; 0: not more than are missing in the first round.
+    """
     journal = None if part is None else Journal(part, identity(task, about))
-    found = {} if journal is None else dict(journal.found)
-    missing = [point for point in points if key_of(point) not in found]
-    title, workers = str(about.get("title", "sweep")), crew.workers or cores()
-    standing = chosen(task, len(missing), workers, crew.scheduler) if missing else nullcontext(_nobody)
-    with progress(title, len(points), len(points) - len(missing)) as advance, standing as ask:
-        for point, result in ask(missing):
-            if journal is not None:
-                journal.add(point, result)
-            found[key_of(point)] = result
-            advance()
+    with ExitStack() as stack:
+
+        def start(missing: int) -> Ask:
+            return stack.enter_context(chosen(task, most or missing, crew.workers or cores(), crew.scheduler))
+
+        yield Rounds(start, journal, str(about.get("title", "sweep")))
     if journal is not None:
         journal.remove()
-    return [found[key_of(point)] for point in points]
 
 
-def _nobody(points: Sequence[Point]) -> Done:
-    return iter(())
+class Rounds:
+    """Points asked for in rounds, each computed once. Whoever computes is started with the first that is missing."""
+
+    def __init__(self, start: Callable[[int], Ask], journal: Journal | None, title: str) -> None:
+        self.computed = 0  # points, here and now
+        self._start, self._journal, self._title = start, journal, title
+        self._found = {} if journal is None else dict(journal.found)
+        self._crew: Ask | None = None
+
+    def __call__(self, points: Sequence[Point]) -> list[Result]:
+        """The results in the order of the points."""
+        missing = list({key_of(p): p for p in points if key_of(p) not in self._found}.values())
+        if missing:
+            self._compute(missing, len(points))
+        return [self._found[key_of(point)] for point in points]
+
+    def _compute(self, missing: list[Point], total: int) -> None:
+        self._crew = self._crew or self._start(len(missing))
+        with progress(self._title, total, total - len(missing)) as advance:
+            for point, result in self._crew(missing):
+                if self._journal is not None:
+                    self._journal.add(point, result)
+                self._found[key_of(point)] = result
+                self.computed += 1
+                advance()
 
 
 def identity(task: Task, about: Mapping[str, Any]) -> dict[str, Any]:
