@@ -25,9 +25,14 @@ def compiled_function(function: Callable[..., Any], folder: Path | None, options
     return compiled
 
 
-def chosen_when_compiled(name: Any, choose: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """numba's type of a function whose source is chosen, by the types of its arguments, when its caller is compiled."""
-    return types.Function(make_overload_template(name, choose, options, False, "never"))
+def chosen_when_compiled(name: Any, choose: Callable[..., Any], folder: Path | None, options: dict[str, Any]) -> Any:
+    """numba's type of a function whose source is chosen, by the types of its arguments, when its caller is compiled.
+
+    It is kept in a folder, too. The way in from Python, half of numba's work on a small function, is not made.
+    """
+    template: Any = make_overload_template(name, choose, options, False, "never")
+    template._get_jit_decorator = lambda _: lambda **chosen: lambda f: compiled_function(f, folder, chosen)
+    return types.Function(template)
 
 
 def type_of_rows(name: Any) -> Any:

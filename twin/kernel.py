@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable
 from contextvars import ContextVar
 from functools import cache, cached_property, update_wrapper
+from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, get_args, get_type_hints
 
 from twin.cache_folder import cache_directory
@@ -21,8 +22,14 @@ R = TypeVar("R")
 FOLDER = cache_directory()
 INTERPRETED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")  # as debuggers set it: slow
 
-LEAN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
-COPIED: Any = LEAN | {"forceinline": True, "no_cfunc_wrapper": True}  # kept on disk as part of what calls them
+COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+LEAN: dict[str, Any] = COMMON | {"_nrt": False}
+COPIED: Any = LEAN | {"forceinline": True, "no_cpython_wrapper": True}
+
+
+def copies() -> Path | None:
+    """Where functions are kept that kernels copy. Python cannot call these, so they stand apart."""
+    return FOLDER and FOLDER / "copied"
 
 
 def kernel(function: F) -> F:
@@ -120,7 +127,8 @@ def inlined(function: F) -> F:
     """Compile a function as `kernel` does, to be copied into every kernel that calls it.
 
     numba hands a tuple over number by number, so a call costs as much as the equations of a small component: a function
-    in the innermost loop that has few callers is better copied into them.
+    in the innermost loop that has few callers is better copied into them. It is compiled once for its types and kept on
+    disk, so another combination of kinds compiles those functions only that see what has changed.
     """
     return _Inlined(function, LEAN)  # pyright: ignore[reportReturnType]
 
@@ -135,7 +143,7 @@ class _Inlined(_Kernel):
     def _numba_type_(self) -> Any:
         from twin.compiler import chosen_when_compiled
 
-        return chosen_when_compiled(self, lambda *_, **__: self.py_func, COPIED)
+        return chosen_when_compiled(self, lambda *_, **__: self.py_func, copies(), COPIED)
 
 
 def by_type(general: Callable[P, R]) -> "ByType[P, R]":
@@ -158,7 +166,7 @@ class ByType(Generic[P, R]):
     def _numba_type_(self) -> Any:
         from twin.compiler import chosen_when_compiled
 
-        return chosen_when_compiled(self, self._source, COPIED)
+        return chosen_when_compiled(self, self._source, copies(), COPIED)
 
     def __call__(self, *arguments: P.args, **_: P.kwargs) -> R:
         return self._variant(arguments[0])(*arguments)
@@ -225,7 +233,7 @@ def _names(value: Any) -> tuple[str, ...] | None:
 
 def allocating_kernel(function: F) -> F:
     """Compile a function of the set-up that needs arrays of its own."""
-    return _compiled(function, nogil=True, error_model="numpy")
+    return _compiled(function, **COMMON)
 
 
 def _compiled(function: F, **options: Any) -> F:

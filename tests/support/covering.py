@@ -1,6 +1,6 @@
 """Random drives in which every pair of kinds meets: a pairwise covering sample, run by the interpreted step.
 
-Compiling one combination takes half a minute, so each drive runs a few hundred steps of the same source in Python.
+Compiling one combination takes seconds, so each drive runs a few hundred steps of the same source in Python.
 Lines of model `ends` take Python seconds to fit; the built-in drives have them.
 `python -m tests.support.covering SEED` prints the drives; with `--run STEPS` and NUMBA_DISABLE_JIT=1 it runs them.
 """

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from numba.core import event
 
 from twin import cache_folder, kernel
 
@@ -19,6 +20,53 @@ from twin.kernel import kernel
 @kernel
 def doubled(x):
     return 2.0 * x
+"""
+DRIVE = """\
+from typing import NamedTuple
+
+from twin.kernel import by_type, inlined, kernel
+
+
+class Weight(NamedTuple):
+    mass: float
+
+
+class Spring(NamedTuple):
+    stiffness: float
+
+
+class Pump(NamedTuple):
+    flow: float
+
+
+class Drive(NamedTuple):
+    pump: Pump
+    load: Weight | Spring
+
+
+@inlined
+def delivered(pump):
+    return 2.0 * pump.flow
+
+
+@by_type
+def held(load):
+    raise TypeError(load)
+
+
+@held.register
+def weight(load: Weight):
+    return 9.81 * load.mass
+
+
+@held.register
+def spring(load: Spring):
+    return 0.1 * load.stiffness
+
+
+@kernel
+def step(drive):
+    return delivered(drive.pump) + held(drive.load)
 """
 DAMAGE: dict[str, Callable[[bytes], bytes]] = {
     "empty": lambda whole: b"",
@@ -34,16 +82,18 @@ DAMAGE: dict[str, Callable[[bytes], bytes]] = {
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache of its own, and a module with one kernel beside it."""
     (tmp_path / "small.py").write_text(SOURCE, encoding="utf-8")
+    (tmp_path / "drive.py").write_text(DRIVE, encoding="utf-8")
     monkeypatch.setattr(kernel, "FOLDER", tmp_path / "cache")
     return tmp_path
 
 
-def imported(folder: Path) -> ModuleType:
-    """The module as a new process would have it: nothing compiled yet."""
-    spec = importlib.util.spec_from_file_location("small", folder / "small.py")
+def imported(folder: Path, name: str = "small") -> ModuleType:
+    """A module as a new process would have it: nothing compiled yet."""
+    spec = importlib.util.spec_from_file_location(name, folder / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # where numba looks for it when it reads what was kept
     spec.loader.exec_module(module)
     return module
 
@@ -62,6 +112,23 @@ def kept(folder: Path) -> list[Path]:
 def test_a_second_process_finds_what_the_first_compiled(folder: Path):
     assert [hits(folder), hits(folder)] == [0, 1]
     assert len(kept(folder)) == 1
+
+
+def compiled_for(folder: Path, kind: str, force: float) -> set[str]:
+    """The functions that a new process compiles for a drive with a kind of load, when its step gives the right sum."""
+    names: set[str] = set()
+    drive = imported(folder, "drive")
+    with event.install_recorder("numba:compile") as seen:
+        assert drive.step(drive.Drive(drive.Pump(1.0), getattr(drive, kind)(10.0))) == pytest.approx(2.0 + force)
+    for _, begun in seen.buffer:
+        names.add(begun.data["dispatcher"].py_func.__name__)
+    return names
+
+
+def test_another_kind_in_a_slot_compiles_that_kind_and_the_step_alone(folder: Path):
+    assert compiled_for(folder, "Weight", 98.1) == {"step", "delivered", "weight"}
+    assert compiled_for(folder, "Spring", 1.0) == {"step", "spring"}
+    assert compiled_for(folder, "Weight", 98.1) == set()
 
 
 @pytest.mark.parametrize("how", DAMAGE)
