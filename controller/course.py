@@ -39,7 +39,16 @@ class Table(NamedTuple):
     values: tuple[float, ...]  # linear between the points, the last one is held
 
 
-Shape = Step | Ramp | Pulse | Sine | Table
+class Altered(NamedTuple):
+    """What goes on meanwhile times a factor, and something added; both come about linearly."""
+
+    factor: float
+    add: float
+    over: int  # [ns] until it is there
+    lasts: int  # [ns]; NEVER: to the end of the run
+
+
+Shape = Step | Ramp | Pulse | Sine | Table | Altered
 
 
 class Act(NamedTuple):
@@ -63,14 +72,16 @@ def ends(shape: Shape) -> int:
     """How long a shape moves, or lasts [ns]; 0 for a step."""
     if isinstance(shape, Ramp):
         return shape.over
-    if isinstance(shape, Pulse | Sine):
+    if isinstance(shape, Pulse | Sine | Altered):
         return shape.lasts
     return shape.times[-1] if isinstance(shape, Table) else 0
 
 
-def is_smooth(shape: Shape) -> bool:
-    """Does it move all the time until it ends?"""
-    return isinstance(shape, Ramp | Sine | Table)
+def moving(shape: Shape) -> int:
+    """How long it moves all the time [ns]."""
+    if isinstance(shape, Altered):
+        return min(shape.over, shape.lasts)
+    return ends(shape) if isinstance(shape, Ramp | Sine | Table) else 0
 
 
 class Course:
@@ -95,12 +106,13 @@ class Course:
 
     def next(self, t: int) -> int:
         """The first instant after t at which an act begins or ends; NEVER without one."""
-        instants = [i for act in self._acts for i in (act.begin, act.begin + ends(act.shape)) if i > t]
-        return min(instants, default=NEVER)
+        marks = ((0, moving(act.shape), ends(act.shape)) for act in self._acts)
+        instants = (act.begin + mark for act, own in zip(self._acts, marks, strict=True) for mark in own)
+        return min((instant for instant in instants if instant > t), default=NEVER)
 
     def moves(self, t: int) -> bool:
         """Does something act at t that moves all the time?"""
-        return any(act.begin <= t < act.begin + ends(act.shape) for act in self._acts if is_smooth(act.shape))
+        return any(act.begin <= t < act.begin + moving(act.shape) for act in self._acts)
 
     def _upto(self, count: int, t: int) -> Point:
         """Where only the first acts are there."""
@@ -108,8 +120,10 @@ class Course:
             count -= 1
             begin, shape = self._acts[count]
             since = t - begin
-            if isinstance(shape, Pulse | Sine) and since >= shape.lasts:
+            if isinstance(shape, Pulse | Sine | Altered) and since >= shape.lasts:
                 continue
+            if isinstance(shape, Altered):
+                return _altered(self._upto(count, t), shape, since)
             if isinstance(shape, Sine):
                 return _swung(self._upto(count, t), shape, since / NS)
             if isinstance(shape, Ramp) and since < shape.over:
@@ -130,6 +144,14 @@ def _swung(about: Point, sine: Sine, since: float) -> Point:
     omega = 2.0 * math.pi * sine.frequency
     value = about.value + sine.amplitude * math.sin(omega * since)
     return Point(value, about.slope + sine.amplitude * omega * math.cos(omega * since))
+
+
+def _altered(plain: Point, shape: Altered, since: int) -> Point:
+    share = since / shape.over if since < shape.over else 1.0
+    growth = NS / shape.over if since < shape.over else 0.0
+    by = 1.0 + share * (shape.factor - 1.0)
+    slope = plain.slope * by + growth * ((shape.factor - 1.0) * plain.value + shape.add)
+    return Point(plain.value * by + share * shape.add, slope)
 
 
 def _between(table: Table, since: int) -> Point:

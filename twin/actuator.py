@@ -6,15 +6,16 @@ compiled.
 of a chamber, p = max(p_v, B ((S - passed)/V - 1)), is changed by what flows in alone, and by leaks.
 """
 
+import math
 from typing import Any
 
 from twin.air import CLOSE, compression, pressure_at, rounds, tangent
-from twin.cylinder import Chambers, Cylinder, DrainedCylinder
+from twin.cylinder import Chambers, Cylinder, DrainedCylinder, HoledCylinder
 from twin.kernel import by_type, inlined
 from twin.motor import Motor, displacement_at, passed_oil
 from twin.port import Port
 
-Actuator = Cylinder | DrainedCylinder | Motor
+Actuator = Cylinder | DrainedCylinder | HoledCylinder | Motor
 
 
 @by_type
@@ -24,7 +25,7 @@ def volumes(actuator: Any, position: float) -> Chambers:
 
 
 @volumes.register
-def _(actuator: Cylinder | DrainedCylinder, position: float) -> Chambers:
+def _(actuator: Cylinder | DrainedCylinder | HoledCylinder, position: float) -> Chambers:
     return Chambers(
         actuator.dead_lower + actuator.area_lower * position,
         actuator.dead_upper + actuator.area_upper * (actuator.stroke - position),
@@ -43,7 +44,7 @@ def passed(actuator: Any, position: float) -> Chambers:
 
 
 @passed.register
-def _(actuator: Cylinder | DrainedCylinder, position: float) -> Chambers:
+def _(actuator: Cylinder | DrainedCylinder | HoledCylinder, position: float) -> Chambers:
     return Chambers(0.0, 0.0)
 
 
@@ -60,7 +61,7 @@ def areas(actuator: Any, position: float) -> Chambers:
 
 
 @areas.register
-def _(actuator: Cylinder | DrainedCylinder, position: float) -> Chambers:
+def _(actuator: Cylinder | DrainedCylinder | HoledCylinder, position: float) -> Chambers:
     return Chambers(actuator.area_lower, actuator.area_upper)
 
 
@@ -82,24 +83,38 @@ def _(actuator: Cylinder | Motor) -> Chambers:
 
 
 @moduli.register
-def _(actuator: DrainedCylinder) -> Chambers:
+def _(actuator: DrainedCylinder | HoledCylinder) -> Chambers:
     return Chambers(actuator.modulus_lower, actuator.modulus_upper)
 
 
 @by_type
-def outside(actuator: Any) -> Chambers:
-    """Flow per pressure [m^3/(s Pa)] from each chamber to the outside or the case."""
+def outside(actuator: Any, p: Chambers) -> Chambers:
+    """Flow per pressure [m^3/(s Pa)] from each chamber to the outside or the case, at pressures [Pa]."""
     raise TypeError(f"{actuator} is not an actuator")
 
 
 @outside.register
-def _(actuator: Cylinder) -> Chambers:
+def _(actuator: Cylinder, p: Chambers) -> Chambers:
     return Chambers(0.0, 0.0)
 
 
 @outside.register
-def _(actuator: DrainedCylinder | Motor) -> Chambers:
+def _(actuator: DrainedCylinder | Motor, p: Chambers) -> Chambers:
     return Chambers(actuator.outside_lower, actuator.outside_upper)
+
+
+@outside.register
+def _(actuator: HoledCylinder, p: Chambers) -> Chambers:
+    return Chambers(
+        actuator.outside_lower + _through_hole(p.lower, actuator.a_lower, actuator.b_lower),
+        actuator.outside_upper + _through_hole(p.upper, actuator.a_upper, actuator.b_upper),
+    )
+
+
+@inlined
+def _through_hole(p: float, a: float, b: float) -> float:
+    """Q/p of a Q|Q| + b Q = p; nothing is drawn in."""
+    return 2.0 / (b + math.sqrt(b * b + 4.0 * a * p)) if p > 0.0 else 0.0
 
 
 @by_type
@@ -109,7 +124,7 @@ def widening(actuator: Any) -> float:
 
 
 @widening.register
-def _(actuator: Cylinder | DrainedCylinder) -> float:
+def _(actuator: Cylinder | DrainedCylinder | HoledCylinder) -> float:
     return 1.0
 
 
@@ -175,14 +190,14 @@ def fill_chambers(
     is a tangent, taken until it stands.
     """
     half, volume, gone = 0.5 * step, volumes(actuator, position), passed(actuator, position)
-    leak, out = actuator.leakage * (p.lower - p.upper), outside(actuator)
+    leak, out = actuator.leakage * (p.lower - p.upper), outside(actuator, p)
     s_l = stored.lower + half * (inflow.lower - leak - out.lower * p.lower)
     s_u = stored.upper + half * (inflow.upper + leak - out.upper * p.upper)
     held = Chambers(s_l - gone.lower, s_u - gone.upper)
     p_l, p_u = p.lower, p.upper
     for _ in range(rounds(actuator.air)):
         before = p_l, p_u
-        p_l, p_u = _by_tangents(Chambers(p_l, p_u), held, volume, lower, upper, actuator, half)
+        p_l, p_u = _by_tangents(Chambers(p_l, p_u), held, volume, lower, upper, actuator, out, half)
         if max(abs(p_l - before[0]), abs(p_u - before[1])) <= CLOSE:
             break
     leak = actuator.leakage * (p_l - p_u)
@@ -195,10 +210,10 @@ def fill_chambers(
 
 @inlined
 def _by_tangents(
-    p: Chambers, held: Chambers, volume: Chambers, lower: Port, upper: Port, actuator: Any, half: float
+    p: Chambers, held: Chambers, volume: Chambers, lower: Port, upper: Port, actuator: Any, out: Chambers, half: float
 ) -> Chambers:
-    """Both pressures that fill the chambers, what they hold linear about pressures p."""
-    g, vapour, b, out = half * actuator.leakage, actuator.vapour_pressure, moduli(actuator), outside(actuator)
+    """Both pressures that fill the chambers, what they hold linear about pressures p; out: flows out per pressure."""
+    g, vapour, b = half * actuator.leakage, actuator.vapour_pressure, moduli(actuator)
     c_l, empty_l = tangent(actuator.air, b.lower, volume.lower, p.lower)
     c_u, empty_u = tangent(actuator.air, b.upper, volume.upper, p.upper)
     a_l = c_l + half / lower.impedance + g + half * out.lower

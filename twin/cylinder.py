@@ -43,6 +43,31 @@ class DrainedCylinder(NamedTuple):
     air: AnyAir = NoAir()
 
 
+class HoledCylinder(NamedTuple):
+    """The same with a hole to the outside in each chamber, or at its end of the line: a Q|Q| + b Q = p.
+
+    It passes what the pressure at the beginning of a step asks for, in proportion to the pressure within the step. No
+    air is drawn in.
+    """
+
+    area_lower: float  # [m^2]
+    area_upper: float
+    dead_lower: float  # [m^3]
+    dead_upper: float
+    stroke: float  # [m]
+    leakage: float  # 1/R [m^3/(s Pa)], across the piston seal
+    outside_lower: float  # 1/R [m^3/(s Pa)], from the chamber to the outside
+    outside_upper: float
+    modulus_lower: float  # B [Pa], of oil and barrel
+    modulus_upper: float
+    vapour_pressure: float  # [Pa], gauge
+    a_lower: float  # [Pa s^2/m^6], of the holes
+    a_upper: float
+    b_lower: float  # [Pa s/m^3]; infinite where there is no hole
+    b_upper: float
+    air: AnyAir = NoAir()
+
+
 class Chambers(NamedTuple):
     """A value for each chamber."""
 

@@ -34,7 +34,7 @@ def fill_behind_necks(
     p, inflow: pressures and flows at the start; lower, upper: port of the line and neck of each chamber.
     """
     half, volume, gone, b = 0.5 * step, volumes(actuator, position), passed(actuator, position), moduli(actuator)
-    leak, out = actuator.leakage * (p.lower - p.upper), outside(actuator)
+    leak, out = actuator.leakage * (p.lower - p.upper), outside(actuator, p)
     out_l, out_u = out.lower * p.lower, out.upper * p.upper
     s_l, s_u = stored.lower + half * (inflow.lower - leak - out_l), stored.upper + half * (inflow.upper + leak - out_u)
     held_l, held_u = (

@@ -16,6 +16,14 @@ BARREL: dict[str, Entry] = {  # of the cylinder
     "rod_at": Choice("a", ("a", "b", "both"), "2.2.1: rod in the chamber of port A; both: two rods of one diameter"),
     "outside_lower": Number(math.inf, "Pa s/m^3", f"leak of the lower chamber to the outside; {TIGHT}", TINY),
     "outside_upper": Number(math.inf, "Pa s/m^3", f"leak of the upper chamber to the outside; {TIGHT}", TINY),
+    "holes": Choice("none", ("none", "fitted"), "fitted: there may be holes to the outside, as a burst tears them"),
+    "hole_lower": Number(0.0, "m", "assumed: diameter of a hole in the lower chamber, or at its end of the line"),
+    "hole_upper": Number(0.0, "m", "assumed: diameter of a hole in the upper chamber, or at its end of the line"),
+    "hole_discharge": Number(0.61, "", "2.4, sharp edge", TINY),
+    "hole_transition": Number(9.33, "", "2.4, transition Reynolds number"),
+    "stiffness": Number(
+        1.0, "", "assumed: bulk modulus in the chambers over that of the oil; below 1, air is trapped there", TINY, 1.0
+    ),
     "wall": Number(0.0, "m", "of the barrel, assumed rigid: 0; it widens as a thin pipe, (2.8)"),
     "young": STEEL,
 }

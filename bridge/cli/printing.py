@@ -76,6 +76,9 @@ def _counts(summary: "Summary") -> Iterable[str]:
         refused = ", ".join(f"{count} {reason}" for reason, count in commands.refused.items()) or "none"
         worst = f" (worst {commands.worst_lateness * 1e3:.2f} ms)" if commands.late else ""
         yield f"commands   {commands.sent} recorded{taken}, {commands.late} late{worst}; refused: {refused}"
+        told = {name: count for name, count in commands.faulted.items() if name not in ("missing", "refused")}
+        if told:
+            yield f"faults     {', '.join(f'{name} {count}' for name, count in told.items())}"
     lost = ", ".join(f"{count} {topic}" for topic, count in summary.lost.items()) or "none"
     yield f"lost       {lost}; safe states: {summary.safe_states}"
     if summary.alarms:

@@ -25,14 +25,19 @@ class Acquisition:
         self._arguments = self.taps, self._row, self._card, self._step, self._reading
         self._acquire = entry(acquire, *self._arguments)  # compiled before the clock starts
 
-    def read(self, tick: int) -> NDArray[np.float64]:
-        """One scan of the taps, as the card reads them at a tick; valid until the next."""
+    def read(self, tick: int, seen: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        """One scan of the taps, as the card reads them at a tick; valid until the next.
+
+        seen: what reaches the card in place of the taps, where transducers lie.
+        """
         number, row = divmod(tick, NOISE_ROWS)
         if number != self._number:
             self._number, self._noise = number, noise_block(self._seed, number)
         self._row[:] = self._noise[row]
+        if seen is not None and self._offset is None:
+            self._part()
         if self._offset is not None:
-            np.add(self.taps, self._offset, out=self._arguments[0])
+            np.add(self.taps if seen is None else seen, self._offset, out=self._arguments[0])
             self._row *= self._share
         self._acquire(*self._arguments)
         return self._reading
@@ -40,8 +45,12 @@ class Acquisition:
     def tune(self, channel: str, what: str, value: float) -> None:
         """From now on: the `offset` [SI] of a channel's transducer, or its `noise` [LSB rms]."""
         if self._offset is None:
-            self._offset, self._share = np.zeros(len(CHANNELS)), np.full(len(CHANNELS), self._card.noise)
-            own = self.taps.copy(), self._row, self._card._replace(noise=1.0), self._step, self._reading
-            self._arguments, self._acquire = own, entry(acquire, *own)
+            self._part()
         target = self._offset if what == "offset" else self._share
         target[[*CHANNELS].index(channel)] = value
+
+    def _part(self) -> None:
+        """From now on the card reads other values than the taps, and channels have a noise of their own."""
+        self._offset, self._share = np.zeros(len(CHANNELS)), np.full(len(CHANNELS), self._card.noise)
+        own = self.taps.copy(), self._row, self._card._replace(noise=1.0), self._step, self._reading
+        self._arguments, self._acquire = own, entry(acquire, *own)

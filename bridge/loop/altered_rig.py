@@ -44,6 +44,7 @@ class AlteredRig:
         plant.parts[:] = record(now.parts)
         if now.lines is not self._running.lines:
             plant.numbers[:] = packed(now.lines)[1]
+        if now.lines is not self._running.lines or now.parts.cylinder is not self._running.parts.cylinder:
             keep_oil(state, self._running, now)
         self._running = now
 

@@ -38,6 +38,7 @@ class ControllerSide:
         self.follows = scenario.controller.follows
         self.own = LawMessages(source, self.law.name)  # what the law has logged and printed
         self._sent = 0
+        self._newest = 0, -1  # run and stamp of the newest sample that was answered
         self._tuning = ControllerTuning(scenario)
         for changed in self._tuning.foreseen():
             self.law.prepare(law_gains(changed))
@@ -68,6 +69,11 @@ class ControllerSide:
         """A scan of the further channels, as the law is given it."""
         return Readings(zip(self._names, values, strict=True))
 
+    @property
+    def newest(self) -> int:
+        """Stamp of the newest sample that was answered [ns]; -1 before the first."""
+        return self._newest[1]
+
     def waits(self, stamp: int) -> bool:
         """Does the law need more of a sample than its measurement, and has not got it yet?"""
         lacks = (self.sees_truth and _other(self._true, stamp)) or (self._names and _other(self._channels, stamp))
@@ -84,7 +90,7 @@ class ControllerSide:
         First the command, which the plant waits for, last the reference, and between them what the law has said.
         """
         stamp = measurement.stamp
-        if not is_sample(stamp, self.grid):
+        if not is_sample(stamp, self.grid) or self._is_old(measurement):
             return []
         self.own.run_id = measurement.run_id
         sample = sample_of(stamp, vars(measurement), self._further())
@@ -128,6 +134,13 @@ class ControllerSide:
         spool, self._memory, *signals = self.own.hear(stamp, self.law.answer, sample, target, self._memory, self.gains)
         self.own.log(stamp, *signals)
         return float(spool), target
+
+    def _is_old(self, measurement: Any) -> bool:
+        """Has a sample as new been answered? A link may double messages, or let them overtake one another."""
+        newest = measurement.run_id, measurement.stamp
+        old = newest[0] == self._newest[0] and newest[1] <= self._newest[1]
+        self._newest = self._newest if old else newest
+        return old
 
     def _further(self) -> Mapping[str, float]:
         return self.named(self._channels.values) if self._names else NO_CHANNELS

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 from bridge.loop.controller import ControllerSide
 from bridge.loop.identity import derived
-from bridge.loop.plant import PlantSide
+from bridge.loop.plant import Heard, PlantSide
 from bridge.scenario import Scenario
 from bridge.wire.events import last_words
 from bridge.wire.messages import Ending, Outgoing
@@ -33,12 +33,7 @@ def answered(plant: PlantSide, controller: ControllerSide, out: list[Outgoing]) 
 
     out: the plant's messages of this tick, whose events the controller heeds for its next answer.
     """
-    if controller.waits(plant.now):
-        if controller.sees_truth:
-            controller.see(plant.true_state())
-        if controller.reads_channels:
-            controller.hear(plant.channels)
-    answers = controller.answer(plant.measurement)
+    answers = [answer for heard in plant.heard for answer in _answer(plant, controller, heard)]
     for answer in answers:
         if answer.topic == "command":
             plant.take(answer.message)
@@ -46,6 +41,16 @@ def answered(plant: PlantSide, controller: ControllerSide, out: list[Outgoing]) 
         if event.topic == "event":
             answers += controller.heed(event.message)
     return answers
+
+
+def _answer(plant: PlantSide, controller: ControllerSide, heard: Heard) -> list[Outgoing]:
+    """What the controller says to one scan."""
+    if controller.waits(heard.measurement.stamp):
+        if controller.sees_truth:
+            controller.see(plant.true_state())
+        if controller.reads_channels:
+            controller.hear(heard.channels)
+    return controller.answer(heard.measurement)
 
 
 def sides(scenario: Scenario, law: ControlLaw | None = None) -> tuple[PlantSide, ControllerSide]:

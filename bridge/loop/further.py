@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bridge.loop.sensor_faults import SensorFaults
 from bridge.scenario import Scenario
 from bridge.scenario.channels import chosen
 from bridge.wire.codec import Channels
@@ -27,12 +28,16 @@ class FurtherChannels:
         self._share = np.full(len(sensors), scenario.daq.noise)  # noise of each [LSB rms]
         self._begin(0)
 
-    def read(self, tick: int, state: Array, seen: Array, taps: Array) -> Array:
-        """What the card reads of a plant at a tick; taps: what its own channels touch, a step before and now."""
+    def read(self, tick: int, state: Array, seen: Array, taps: Array, now: int, lies: SensorFaults | None) -> Array:
+        """What the card reads of a plant at a tick; taps: what its own channels touch, a step before and now.
+
+        now: [ns]; lies: faults of the transducers.
+        """
         number, row = divmod(tick, NOISE_ROWS)
         if number != self._number:
             self._begin(number)
-        return convert_all(self._sensing.read(state, seen, taps) + self._added[row], self._inputs)
+        true = self._sensing.read(state, seen, taps)
+        return convert_all((true if lies is None else lies.read(tick, now, true)) + self._added[row], self._inputs)
 
     def tune(self, channel: str, what: str, value: float) -> None:
         """From now on: the `offset` [SI] of a channel's transducer, or its `noise` [LSB rms]."""

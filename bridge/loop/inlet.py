@@ -122,6 +122,14 @@ class Inlet:
         self._hold.put(command.apply_at, command.spool)
         return True
 
+    def note_answer(self, command: Any, now: int) -> None:
+        """A command has come, whatever becomes of it: its sample has its answer."""
+        self._gate.note_answer(command, now)
+
+    def lose(self, command: Any) -> None:
+        """A fault of the link has kept a command away, which everybody knows."""
+        self._gaps.lose(command)
+
     def refuse(self, reason: Reason, text: str) -> None:
         """Count and note what is not a command at all."""
         self._note_refusal(*self._gate.refuse(reason, text))

@@ -5,12 +5,14 @@ plant process run this same code.
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bridge.loop.acquisition import Acquisition
+from bridge.loop.bad_link import Scan
+from bridge.loop.faults import Faults
 from bridge.loop.further import further_channels, message
 from bridge.loop.inlet import Inlet, Note
 from bridge.loop.line_profiles import LineProfiles
@@ -19,6 +21,7 @@ from bridge.loop.plant_tuning import PlantTuning, Tune
 from bridge.loop.refuge import CENTRED
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, rest_of
+from bridge.scenario.faults import Fault, PlannedFault
 from bridge.scenario.references import Live
 from bridge.scenario.tunable import FURTHER, REFERENCE, SENSOR, Tunable
 from bridge.wire.codec import Event, FluidPressure, Header, JointState, Measurement, PlantState, Time, decode
@@ -53,11 +56,13 @@ class PlantSide:
         self._observed = np.zeros(len(OBSERVED))
         self._lines = LineProfiles(run_id, self._circuit)
         self._tuning = PlantTuning(scenario, self._circuit, self._state, self._transducers(), self._tell)
+        self._faults = Faults(scenario, self.inlet, self._tuning, self._tell_fault)
         self._live = LiveReference(scenario.reference) if isinstance(scenario.reference, Live) else None
         self._reference = CENTRED  # that acts on the spool
         self._run(CENTRED, 0)
         self.measurement: Any = None
         self.channels: Any = None  # the newest scan of further channels; None where the scenario has none
+        self.heard: list[Heard] = []  # what the controller is sent at this tick
 
     @property
     def now(self) -> int:
@@ -79,12 +84,16 @@ class PlantSide:
 
     def awaited(self) -> int | None:
         """Stamp of the sample whose command the next block cannot do without; None when it has all."""
+        if self._faults.link is not None:
+            return self._faults.link.awaited(self.now, self.inlet.prompt)
         at_once = self.inlet.prompt and is_sample(self.now, self.grid)
         due = self.now if at_once else last_due(self.now + self.grid.daq, self.grid)
         return due if due is not None and due > self.inlet.answered else None
 
     def unanswered(self) -> bool:
         """Is there a sample whose command has not come yet?"""
+        if self._faults.link is not None:
+            return self._faults.link.unanswered()
         return next_sample(self.inlet.answered + 1, self.grid) <= self.now
 
     def receive(self, payload: bytes, kind: str = "") -> Any:
@@ -99,7 +108,10 @@ class PlantSide:
         return command if self.take(command) else None
 
     def take(self, command: Any) -> bool:
-        """Take a command; False when it was refused."""
+        """Take a command; False when it was refused. One of a bad link is offered when it is there."""
+        if self._faults.link is not None and command.run_id == self.run_id:
+            self._faults.link.take(command, self.now)
+            return True
         return self.inlet.offer(command, self.now)
 
     def reset(self) -> None:
@@ -112,6 +124,10 @@ class PlantSide:
         Raises ScenarioError, and changes none, where the rig cannot be so.
         """
         return self._tuning.set(numbers, self.now, over)
+
+    def inject(self, fault: Fault) -> PlannedFault:
+        """Take one more fault because somebody says so. Raises ScenarioError, and takes none."""
+        return self._faults.inject(fault, self.now)
 
     def aim(self, target: float | None) -> None:
         """Take the newest target of a live reference [m], None without a new one; call once before each tick."""
@@ -132,9 +148,12 @@ class PlantSide:
     def tick(self, lean: bool = False) -> list[Outgoing]:
         """Integrate the block that has just passed and return its messages; `lean`: measurement and events alone."""
         begin, end = self.now, self.now + self.grid.daq
+        if self._faults.link is not None:
+            self._faults.link.offer(begin)
         for segment in self.inlet.segments(begin, end):
             for first, last in self._tuning.cut(segment.begin, segment.end):
-                self._run(segment.value, (last - first) // self.grid.step)
+                for since, until in self._faults.cut(first, last):
+                    self._run(segment.value, (until - since) // self.grid.step, since)
         self.tick_number += 1
         if not lean:
             return self._messages()
@@ -154,12 +173,13 @@ class PlantSide:
             safe_states=inlet.safe_states,
             reading=None if m is None else _reading(m, inlet.value),
             refused={reason.value: count for reason, count in inlet.refused.items()},
+            faulted=self._faults.counts(),
         )
 
     def finish(self, text: str) -> list[Outgoing]:
         """The last words, and before them since when the controller was not heard any more."""
         due = last_due(self.now, self.grid)
-        if due is not None and due > self.inlet.answered:
+        if due is not None and due > self.inlet.answered and self._faults.link is None:
             self.inlet.note(EventKind.MISSED, silence(self.inlet.answered + 1))
         self.inlet.note(EventKind.ENDED, text)
         return self._drain()
@@ -169,9 +189,11 @@ class PlantSide:
         further = {} if self._further is None else {FURTHER: self._further.tune}
         return {SENSOR: self._acquisition.tune, **further}
 
-    def _run(self, reference: float, steps: int) -> None:
+    def _run(self, reference: float, steps: int, now: int = 0) -> None:
         daq = self.scenario.daq
         self._reference = put_out(reference, daq.output_bits) if daq.quantise_output else reference
+        if self._faults.valve is not None:
+            self._reference = self._faults.valve.reference(self._reference, now)
         self._block(self._state, self._reference, steps, self._acquisition.taps, self._observed)
 
     def _count(self, topic: str) -> int:
@@ -189,15 +211,21 @@ class PlantSide:
     def _drain(self) -> list[Outgoing]:
         notes = self.inlet.notes()
         if notes:
-            self._tuning.heard(self.now, {note.kind for note in notes})
+            kinds = {note.kind for note in notes}
+            self._tuning.heard(self.now, kinds)
+            self._faults.heard(self.now, kinds)
         return [self._event(note) for note in (*notes, *self.inlet.notes())]
 
     def _tell(self, text: str, entry: int, apply_at: int) -> None:
         self.inlet.note(EventKind.CHANGED, text, command=entry, apply_at=apply_at)
 
+    def _tell_fault(self, text: str, number: int, apply_at: int) -> None:
+        self.inlet.note(EventKind.FAULT, text, command=number, apply_at=apply_at)
+
     def _look(self) -> None:
-        """After a scan: what waits for a signal."""
+        """After a scan: what begins by the clock or waits for a signal."""
         self._tuning.watch(self.now, self._signal)
+        self._faults.watch(self.now, self._signal)
         self.inlet.look(self.now, self._signal)
 
     def _signal(self, name: str) -> float:
@@ -216,23 +244,43 @@ class PlantSide:
         return Outgoing("event", self.now, sequence, event)
 
     def _measure(self) -> list[Outgoing]:
-        """The measurement, and before it the further channels, so that who waits for it has them."""
+        """What the controller is sent: the measurement, and before it the further channels, so that it has them."""
         self._tuning.sense(self.now)
-        reading = dict(zip(CHANNELS, self._acquisition.read(self.tick_number).tolist(), strict=True))
+        lies = self._faults.card
+        seen = None if lies is None else lies.read(self.tick_number, self.now, self._acquisition.taps)
+        reading = dict(zip(CHANNELS, self._acquisition.read(self.tick_number, seen).tolist(), strict=True))
+        scan = Scan(self.tick_number, self.now, reading, self._read_further())
+        self.heard = []
+        link = self._faults.link
+        out = [
+            message
+            for heard in ([scan] if link is None else link.through(scan, self.now))
+            for message in self._sent(heard)
+        ]
+        if link is not None:
+            self.measurement = Measurement(run_id=self.run_id, sequence=0, tick=scan.tick, stamp=self.now, **reading)
+        return out
+
+    def _sent(self, scan: Scan) -> list[Outgoing]:
+        """The messages of a scan as the controller hears them."""
+        further, out = None, []
+        if scan.further is not None:
+            sequence = self._count(CHANNELS_TOPIC)
+            further = message(self.run_id, sequence, scan.tick, scan.stamp, scan.further)
+            self.channels = further.message
+            out.append(further._replace(log_time=self.now))
         sequence = self._count("measurement")
         self.measurement = Measurement(
-            run_id=self.run_id, sequence=sequence, tick=self.tick_number, stamp=self.now, **reading
+            run_id=self.run_id, sequence=sequence, tick=scan.tick, stamp=scan.stamp, **scan.reading
         )
-        return [*self._read_further(), Outgoing("measurement", self.now, sequence, self.measurement)]
+        self.heard.append(Heard(self.measurement, None if further is None else further.message))
+        return [*out, Outgoing("measurement", self.now, sequence, self.measurement)]
 
-    def _read_further(self) -> list[Outgoing]:
+    def _read_further(self) -> Any:
         if self._further is None:
-            return []
-        taps, sequence = self._acquisition.taps, self._count(CHANNELS_TOPIC)
-        readings = self._further.read(self.tick_number, self._state, self._observed, taps)
-        read = message(self.run_id, sequence, self.tick_number, self.now, readings)
-        self.channels = read.message
-        return [read]
+            return None
+        taps, lies = self._acquisition.taps, self._faults.further
+        return self._further.read(self.tick_number, self._state, self._observed, taps, self.now, lies)
 
     def true_state(self) -> Any:
         """The message that was last published, or is to be."""
@@ -261,6 +309,13 @@ class PlantSide:
             out.append(Outgoing(topic, self.now, self._count(topic), pressure))
         out.append(self._lines.message(self._state, self._count("lines"), self.tick_number, self.now))
         return out
+
+
+class Heard(NamedTuple):
+    """What the controller is sent of a scan."""
+
+    measurement: Any
+    channels: Any  # None without further channels
 
 
 def _reading(measurement: Any, spool: float) -> Reading:

@@ -18,7 +18,7 @@ from bridge.scenario.courses import course_of, courses_of, to_be
 from bridge.scenario.timeline import Item, plan, reached
 from bridge.scenario.tunable import PLANT, Tunable, tunables
 from bridge.wire.events import setting, timeline_entry
-from controller.course import NEVER, Act, Course, Ramp, Table, ends
+from controller.course import NEVER, Act, Course, Ramp, Table, moving
 from controller.grid import NS, next_sample
 from twin.circuit.block import Compiled
 
@@ -67,8 +67,12 @@ class PlantTuning:
         for item in self._items:
             if item.target.name.startswith(DEAR) and isinstance(item.shape, Ramp | Table):
                 for begin in item.begins:
-                    for t in range(begin // STAIR * STAIR, begin + ends(item.shape), STAIR):
-                        self._rig.refuse({item.target.name: self._courses[item.target.name].at(max(t, begin)).value})
+                    self._foresee(item.target.name, Act(begin, item.shape))
+
+    def _foresee(self, name: str, act: Act) -> None:
+        """Build what an act makes of a number, stair by stair."""
+        for t in range(act.begin // STAIR * STAIR, act.begin + moving(act.shape) + 1, STAIR):
+            self._rig.refuse({name: self._courses[name].at(max(t, act.begin)).value})
 
     def cut(self, begin: int, end: int) -> Iterator[tuple[int, int]]:
         """[begin, end) where the rig's numbers change; they have changed when a piece is handed out."""
@@ -128,6 +132,18 @@ class PlantTuning:
             self._due = min(self._due, at)
             self._say(setting(target.name, value, over), 0, at)
         return begins
+
+    def alter(self, name: str, act: Act) -> None:
+        """Let an act change a number of the rig, on top of what else does; call it before its instant."""
+        course = self._course(self.target(name))
+        course.add(act)
+        self._due = min(self._due, act.begin)
+        if name.startswith(DEAR):
+            self._foresee(name, act)
+
+    def refuse(self, numbers: Mapping[str, float]) -> None:
+        """Raises ScenarioError for numbers that the rig cannot have now."""
+        self._rig.refuse(numbers)
 
     def value(self, name: str, now: int) -> float:
         """What a number is now, SI."""

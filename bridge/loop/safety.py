@@ -50,7 +50,8 @@ class Gate:
         for test in (self._run, self._value, self._owner, self._time, self._order):
             refusal = shut if shut and test == self._order else test(command, now)
             if refusal is not None:
-                self._note_answer(command, now, refusal[0])
+                if refusal[0] in ANSWERS:  # it is refused for what it says
+                    self.note_answer(command, now)
                 return self.refuse(*refusal)
         self.owner = command.source
         self.last_sequence, self.last_sample = command.sequence, command.sample_stamp
@@ -59,10 +60,10 @@ class Gate:
         self.accepted += 1
         return None
 
-    def _note_answer(self, command: Any, now: int, reason: Reason) -> None:
-        """A refused command answers its sample, too, where it is refused for what it says."""
+    def note_answer(self, command: Any, now: int) -> None:
+        """The controller has answered a sample, whatever becomes of its command."""
         ours = self.owner is None or command.source == self.owner
-        if ours and reason in ANSWERS and command.sample_stamp <= now:
+        if ours and command.run_id == self.run_id and command.sample_stamp <= now:
             self.answered = max(self.answered, command.sample_stamp)
 
     def release(self, since: int) -> None:
@@ -125,8 +126,12 @@ class Gaps:
     def refuse(self, command: Any, reason: Reason) -> None:
         """A command was refused, and an event says so."""
         if reason not in (Reason.FOREIGN_RUN, Reason.SECOND_CONTROLLER):
-            self._turn_to(command.source)
-            self._told += command.sequence > self._last
+            self.lose(command)
+
+    def lose(self, command: Any) -> None:
+        """A command was lost, and everybody knows by which rule."""
+        self._turn_to(command.source)
+        self._told += command.sequence > self._last
 
     def accept(self, command: Any) -> tuple[int, int] | None:
         """First and last sequence of the gap before a command that is taken; None without a gap."""

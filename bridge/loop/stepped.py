@@ -33,9 +33,9 @@ class SteppedLoop:
     @property
     def sample(self) -> Sample:
         """The newest scan, as a law is given it."""
-        further, now = self.plant.channels, self.plant.now
-        named = NO_CHANNELS if further is None else self.controller.named(further.values)
-        return sample_of(now, vars(self.plant.measurement), named)
+        heard = self.plant.heard[-1]
+        named = NO_CHANNELS if heard.channels is None else self.controller.named(heard.channels.values)
+        return sample_of(heard.measurement.stamp, vars(heard.measurement), named)
 
     @property
     def target(self) -> Target:
@@ -74,7 +74,9 @@ class SteppedLoop:
         return self._out
 
     def _is_sample(self) -> bool:
-        return is_sample(self.plant.now, self.controller.grid)
+        """Has the controller been sent a sample that is newer than all before?"""
+        stamps = (heard.measurement.stamp for heard in self.plant.heard)
+        return any(is_sample(stamp, self.controller.grid) and stamp > self.controller.newest for stamp in stamps)
 
     def _answer(self, sample: Sample, target: Target, memory: Any, gains: Any) -> tuple[float, Any]:
         return self._spool, memory

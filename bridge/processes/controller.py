@@ -21,7 +21,7 @@ from bridge.wire.messages import ALARMING, CHANNELS_TOPIC, GOING, EventKind, Mod
 from bridge.wire.status import PUBLISHED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 
-TOLD_OF_PLANT = (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.CHANGED, *ALARMING)
+TOLD_OF_PLANT = (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.CHANGED, EventKind.FAULT, *ALARMING)
 ASKING = 2.0  # seconds for the plant to say what it runs
 FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 

@@ -262,7 +262,7 @@ class PlantProcess:
             self._narrator.say(f"{when}safe state, {self._way_out()}: {event.text}")
         if event.kind == EventKind.CHANGED and not isinstance(self.scenario.reference, Live):
             self._narrator.say(f"{when}{event.text}, from {event.apply_at / NS:g} s on")
-        if event.kind in (EventKind.RESET, EventKind.RESUMED, EventKind.DIFFERS, EventKind.ENDED):
+        if event.kind in (EventKind.RESET, EventKind.RESUMED, EventKind.DIFFERS, EventKind.ENDED, EventKind.FAULT):
             self._narrator.say(f"{when}{event.text}")
         if event.kind in ALARMING:
             self._narrator.say(f"{when}{event.kind}: {event.text}")

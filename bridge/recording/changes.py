@@ -1,9 +1,10 @@
-"""The changes of numbers and of the plant's safety during a run, for pictures of it."""
+"""The changes of numbers, the faults and the plant's safety during a run, for pictures of it."""
 
 import math
 from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
+from bridge.wire.events import turn_of
 from bridge.wire.messages import EventKind, SafetyState
 from controller.grid import NS
 
@@ -21,7 +22,7 @@ SHADES = {SafetyState.SAFE: "#d62728", SafetyState.DEGRADED: "#e8b400"}
 
 
 class Change(NamedTuple):
-    """A number changed, or the state of the plant's safety."""
+    """A number changed, a fault began or ended, or the state of the plant's safety changed."""
 
     time: float  # [s]
     text: str
@@ -40,7 +41,8 @@ def changes(recording: Recording) -> list[Change]:
     if "event" not in recording.counts:
         return []
     events = recording.messages("event")
-    numbers = [Change(event.apply_at / NS, event.text) for event in events if event.kind == EventKind.CHANGED]
+    told = [event for event in events if event.kind == EventKind.CHANGED or turn_of(event)]
+    numbers = [Change(event.apply_at / NS, event.text) for event in told]
     states = [Change(_when(event), f"{event.kind}: {event.text}") for event in events if event.kind in STATES]
     return sorted(numbers + states)[:MOST]
 

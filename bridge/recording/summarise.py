@@ -113,6 +113,7 @@ def _commands(
         refused=dict(status.refused) if status and status.refused else _refused(events),
         due=None if status is None else number_due(status.tick * grid.daq, grid),
         taken=None if status is None else status.commands,
+        faulted={} if status is None else dict(status.faulted),
     )
 
 

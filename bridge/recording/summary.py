@@ -94,11 +94,12 @@ class CommandSummary(NamedTuple):
     refused: Mapping[str, int]  # by reason
     due: int | None = None  # by the grid; None where the plant does not say how far it came
     taken: int | None = None  # by the plant; None where it does not say
+    faulted: Mapping[str, int] = {}  # what faults of the link did; `missing`, `refused`: commands, because of a fault
 
     def plain(self) -> dict[str, Any]:
         """For JSON and metadata."""
-        known = {name: value for name, value in self._asdict().items() if value is not None}
-        return known | {"refused": dict(self.refused)}
+        known = {name: value for name, value in self._asdict().items() if value is not None and name != "faulted"}
+        return known | {"refused": dict(self.refused)} | ({"faulted": dict(self.faulted)} if self.faulted else {})
 
     @classmethod
     def from_plain(cls, values: Any) -> "CommandSummary | None":
@@ -107,7 +108,15 @@ class CommandSummary(NamedTuple):
             return None
         worst = _number(values, "worst_lateness", 0.0)
         due, taken = _known_count(values, "due"), _known_count(values, "taken")
-        return cls(_count(values, "sent"), _count(values, "late"), worst, _counts(values, "refused"), due, taken)
+        return cls(
+            _count(values, "sent"),
+            _count(values, "late"),
+            worst,
+            _counts(values, "refused"),
+            due,
+            taken,
+            _counts(values, "faulted"),
+        )
 
 
 class Summary(NamedTuple):

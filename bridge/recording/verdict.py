@@ -1,6 +1,7 @@
 """What makes a run good, for every mode and whoever asks: run, check, record, info, report.
 
-Commands are taken at the expected rate and in time, none is refused, the plant never goes to its safe state, nothing is
+Commands are taken at the expected rate and in time, none is refused (those excepted that the scenario's faults of the
+link keep away or change), the plant never goes to its safe state, nothing is
 lost, and in real time the clock is kept. A scenario says what else it expects in `allowed` and `real_time`.
 """
 
@@ -31,7 +32,8 @@ def _refused(summary: Summary, scenario: Scenario) -> Iterator[str]:
     refused = dict(summary.commands.refused) if summary.commands else {}
     if summary.safe_states:
         refused = {reason: n for reason, n in refused.items() if reason not in (Reason.LATCHED, Reason.ALARM)}
-    if (number := sum(refused.values())) > (most := scenario.allowed.refused):
+    by_faults = summary.commands.faulted.get("refused", 0) if summary.commands else 0
+    if (number := sum(refused.values()) - by_faults) > (most := scenario.allowed.refused):
         reasons = ", ".join(f"{count} {reason}" for reason, count in refused.items())
         first = summary.first.get(EventKind.REFUSED)
         example = f"; the first {first}" if first else ""
@@ -70,7 +72,8 @@ def _missing(commands: CommandSummary) -> int:
     """Commands that were due and never came."""
     if commands.due is None or commands.taken is None:
         return 0
-    return max(0, commands.due - commands.taken - sum(commands.refused.values()))
+    known = sum(commands.refused.values()) + commands.faulted.get("missing", 0)
+    return max(0, commands.due - commands.taken - known)
 
 
 def _lost(summary: Summary, scenario: Scenario) -> Iterator[str]:

@@ -16,6 +16,7 @@ from bridge.loop.controller import ControllerSide
 from bridge.machine.children import guarded
 from bridge.processes.child import Child
 from bridge.recording.reader import Entry, Recording
+from bridge.replay.stamps import stamp_in
 from bridge.scenario import Scenario
 from bridge.scenario.channels import layout_of
 from bridge.wire.bus import Bus
@@ -63,16 +64,19 @@ def heard(recording: Recording, scenario: Scenario) -> list[Entry]:
     """
     grid, further = scenario.loop.grid(), needed(recording, scenario)
     sequences = {command.sample_stamp: command.sequence for command in recording.messages("command")}
-    entries = sorted(recording.of("measurement"), key=lambda entry: entry.log_time)
-    fed, open_samples, last = [], [], -1
-    for entry in (entry for entry in entries if is_sample(entry.log_time, grid)):
-        if entry.log_time not in sequences:
+    entries = sorted(recording.of("measurement"), key=lambda entry: (entry.log_time, entry.sequence))
+    fed, open_samples, last, newest = [], [], -1, -1
+    for entry, stamp in ((entry, stamp_in(entry)) for entry in entries):
+        if not is_sample(stamp, grid) or stamp <= newest:
+            continue
+        newest = stamp
+        if stamp not in sequences:
             open_samples.append(entry)
             continue
-        missing = sequences[entry.log_time] - last - 1
+        missing = sequences[stamp] - last - 1
         fed += open_samples[len(open_samples) - missing :] if 0 < missing <= len(open_samples) else []
         fed.append(entry)
-        open_samples, last = [], sequences[entry.log_time]
+        open_samples, last = [], sequences[stamp]
     instants = {entry.log_time for entry in fed}
     seen = [entry for topic in further for entry in recording.of(topic) if entry.log_time in instants]
     return sorted([*seen, *fed, *recording.of("event")], key=lambda entry: (entry.log_time, ORDER[entry.topic]))

@@ -7,6 +7,7 @@ from bridge.loop.plant import PlantSide
 from bridge.recording.reader import Recording
 from bridge.replay.schedule import Input, schedule
 from bridge.scenario import Scenario
+from bridge.scenario.faults import Fault
 from bridge.wire.messages import EventKind, Outgoing
 
 
@@ -31,6 +32,8 @@ def _hand_in(given: Input, side: PlantSide) -> None:
     if given.setting is not None:
         name, value, over = given.setting
         side.set({name: value}, over)
+    elif given.fault:
+        side.inject(Fault.model_validate_json(given.fault))
     elif given.command is None:
         side.reset()
     else:

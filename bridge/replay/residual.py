@@ -42,13 +42,17 @@ class Residuals:
 
     def of(self, outgoing: Outgoing) -> Outgoing | None:
         """The residual of a message; None where nothing was recorded to compare it with."""
-        recorded = self._recorded.get(outgoing.topic, {}).get(outgoing.log_time)
-        if recorded is None:
+        kept = self._recorded.get(outgoing.topic)
+        if kept is None:
+            return None
+        message = outgoing.message
+        stamp = message.stamp if outgoing.topic == "measurement" else message.sample_stamp
+        if (recorded := kept.get(stamp)) is None:
             return None
         apart = dict.fromkeys((*CHANNELS, "spool"), math.nan)
         names = CHANNELS if outgoing.topic == "measurement" else ("spool",)
         apart |= {name: getattr(outgoing.message, name) - getattr(recorded, name) for name in names}
-        message = Residual(run_id=self._run_id, sequence=self._count, stamp=outgoing.log_time, **apart)
+        message = Residual(run_id=self._run_id, sequence=self._count, stamp=stamp, **apart)
         self._count += 1
         return Outgoing("residual", outgoing.log_time, message.sequence, message)
 

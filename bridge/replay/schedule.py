@@ -9,8 +9,9 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
+from bridge.replay.stamps import stamp_in
 from bridge.scenario import Scenario
-from bridge.wire.events import is_setting, missed_by, setting_of, silent_since
+from bridge.wire.events import injected, is_injection, is_setting, missed_by, setting_of, silent_since
 from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
 
@@ -19,8 +20,9 @@ class Input(NamedTuple):
     """Something to hand in once the plant has reached an instant [ns]."""
 
     instant: int
-    command: Any  # None: a reset, or a setting
+    command: Any  # None: a reset, a setting or a fault
     setting: tuple[str, float, int] | None = None  # name, number and time [ns] that somebody has set
+    fault: str = ""  # that somebody has injected, as JSON
 
 
 class Latch(NamedTuple):
@@ -41,18 +43,30 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     unheard = _unheard(events, commands)
     known = {(e.source, e.command): e.stamp - grid.daq for e in events if e.kind == EventKind.RESUMED}
     known |= {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
+    heard = _heard_late(recording)
     latches = list(_latches(events, scenario, grid))
     inputs = [Input(e.stamp - grid.daq, None) for e in events if e.kind == EventKind.RESET]
     inputs += [Input(e.stamp - grid.daq, None, setting_of(e.text)) for e in events if is_setting(e)]
+    inputs += [Input(e.stamp - grid.daq, None, None, injected(e)) for e in events if is_injection(e)]
     reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
     for command in commands:
         name = command.source, command.sequence
         if name in unheard:
             continue
-        instant = known.get(name, _in_time(command, latches, grid))
+        instant = max(known.get(name, _in_time(command, latches, grid)), heard.get(command.sample_stamp, 0))
         reached[command.source] = instant = max(instant, reached.get(command.source, 0))
         inputs.append(Input(instant, command))
     return sorted(inputs, key=lambda entry: (entry.instant, entry.command is not None))
+
+
+def _heard_late(recording: Recording) -> dict[int, int]:
+    """Stamps of measurements that a fault of the link has held back: when the controller had them [ns]."""
+    known = ((stamp_in(entry), entry.log_time) for entry in recording.of("measurement"))
+    found: dict[int, int] = {}
+    for stamp, instant in known:
+        if stamp != instant:
+            found[stamp] = min(instant, found.get(stamp, instant))
+    return found
 
 
 def _unheard(events: list[Any], commands: list[Any]) -> set[tuple[int, int]]:

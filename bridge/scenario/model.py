@@ -8,6 +8,7 @@ from bridge.errors import ScenarioError
 from bridge.scenario.bands import parse_band, refuse_unread
 from bridge.scenario.channels import refuse_unknown
 from bridge.scenario.controllers import Controller, Pd
+from bridge.scenario.faults import Fault
 from bridge.scenario.fields import (
     Acceleration,
     Bits,
@@ -28,6 +29,7 @@ from bridge.scenario.fields import (
     Volume,
 )
 from bridge.scenario.files import DURATION
+from bridge.scenario.plant_faults import fit_holes, refuse_powerless
 from bridge.scenario.reach import refuse_far
 from bridge.scenario.references import Reference
 from bridge.scenario.requirements import Expectation, Expected
@@ -184,6 +186,7 @@ class Scenario(Part):
     timeline: list[Happening] = Field(default=[], description="what happens while it runs, docs/timeline.md")
     safety: Safety = Safety()
     alarm: list[Alarm] = Field(default=[], description="limits that stop the plant, docs/safety.md")
+    fault: list[Fault] = Field(default=[], description="what goes wrong, docs/faults.md")
     expect: list[Expectation] = Field(
         default=[], description='such as "overshoot <= 5 %", "limit cycle: none"; or {id, text, band} of a requirement'
     )
@@ -212,9 +215,16 @@ class Scenario(Part):
         refuse_unsafe(self)
         try:
             plan(self)
+            refuse_powerless(self)
+            self._refuse_truth_late()
         except ScenarioError as error:
             raise ValueError(str(error)) from None
         return self
+
+    def _refuse_truth_late(self) -> None:
+        """The true state is read past the link, so nobody could say which measurement it belongs to."""
+        if self.controller.sees_truth and any(fault.target == "link.measurement" for fault in self.fault):
+            raise ScenarioError("fault link.measurement: the law reads the true state, which does not take the link")
 
     @property
     def expected(self) -> list[Expected]:
@@ -223,7 +233,9 @@ class Scenario(Part):
 
     def rig_values(self) -> dict[str, dict[str, Any]]:
         """The rig's numbers and words with this scenario's own in place."""
-        return values(self.rig.model_dump())
+        found = values(self.rig.model_dump())
+        fit_holes(found, (fault.target for fault in self.fault))
+        return found
 
     @property
     def ticks(self) -> int:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from pydantic import Field
 
@@ -72,14 +72,25 @@ def _item(number: int, entry: Happening, scenario: "Scenario") -> Item:
             return whole(name, seconds, "internal step", step)
 
         shape, words = _shape(entry, target, scenario, instant)
-        begins, condition = _begins(entry, instant), None if entry.when is None else _condition(entry.when)
+        begins, condition = begins_of(entry, instant), None if entry.when is None else condition_of(entry.when)
         after = instant("after", entry.after)
     except (ScenarioError, ValueError) as error:
         raise ScenarioError(f"timeline {number}: {error}") from None
     return Item(number, target, shape, begins, condition, after, entry.times, f"{entry.set} {words}")
 
 
-def _begins(entry: Happening, instant: Callable[[str, float], int]) -> tuple[int, ...]:
+class Timed(Protocol):
+    """What says when it begins: at an instant, again and again, or on a condition."""
+
+    at: Any
+    when: Any
+    after: Any
+    every: Any
+    times: Any
+
+
+def begins_of(entry: Timed, instant: Callable[[str, float], int]) -> tuple[int, ...]:
+    """When it begins [ns]; nothing where it waits for a condition. Raises ValueError where both or none are given."""
     if (entry.at is None) == (entry.when is None):
         raise ValueError('give either at = "2 s" or when = "p2 > 60 bar"')
     if entry.at is None:
@@ -93,7 +104,8 @@ def _begins(entry: Happening, instant: Callable[[str, float], int]) -> tuple[int
     return tuple(first + k * period for k in range(entry.times))
 
 
-def _condition(text: str) -> Crossing | EventKind:
+def condition_of(text: str) -> Crossing | EventKind:
+    """What "p2 > 60 bar" or "safe" waits for. Raises ValueError."""
     if text in EVENTS:
         return EventKind(text)
     return crossing(text, f", or one of {', '.join(EVENTS)}")

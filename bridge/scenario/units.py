@@ -37,6 +37,7 @@ UNITS: dict[str, dict[str, Unit]] = {
     "kg/m^3": {"kg/m^3": Unit(1.0), "g/cm^3": Unit(1e3)},
     "m/s^2": {"m/s^2": Unit(1.0)},
     "N": {"N": Unit(1.0), "kN": Unit(1e3)},
+    "N s": {"N s": Unit(1.0)},
     "N/m": {"N/m": Unit(1.0), "kN/m": Unit(1e3), "N/mm": Unit(1e3)},
     "N s/m": {"N s/m": Unit(1.0), "kN s/m": Unit(1e3), "N s/mm": Unit(1e3)},
     "V": {"V": Unit(1.0), "mV": Unit(1e-3)},

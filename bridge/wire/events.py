@@ -1,6 +1,7 @@
 """The texts of events: written by the plant, read again by those who judge, tell and replay a run."""
 
-from typing import Any
+import re
+from typing import Any, NamedTuple
 
 from bridge.wire.messages import Ending, EventKind, Reason
 
@@ -71,3 +72,40 @@ def setting_of(text: str) -> tuple[str, float, int]:
 def timeline_entry(number: int, words: str) -> str:
     """The text of a `changed` event of the timeline; the number stands in its field `command`, too."""
     return f"timeline {number}: {words}"
+
+
+def fault_turn(name: str, begins: bool, words: str) -> str:
+    """The text of a `fault` event: a fault begins or ends; its number in the scenario stands in `command`, too."""
+    return f"{name!r} {'begins' if begins else 'ends'}: {words}"
+
+
+def injection(fault: str) -> str:
+    """The text of a `fault` event of one that somebody has injected, by its table as JSON."""
+    return f"injected {fault}"
+
+
+def is_injection(event: Any) -> bool:
+    """Does an event say that somebody has injected a fault?"""
+    return event.kind == EventKind.FAULT and not event.command and event.text.startswith("injected ")
+
+
+def injected(event: Any) -> str:
+    """The table of such a fault, as JSON."""
+    return event.text.removeprefix("injected ")
+
+
+class FaultTurn(NamedTuple):
+    """A fault begins or ends."""
+
+    name: str
+    begins: bool
+    words: str
+
+
+def turn_of(event: Any) -> FaultTurn | None:
+    """What a `fault` event says of a fault; None for that of an injection, and for another event."""
+    match = _TURN.fullmatch(event.text) if event.kind == EventKind.FAULT else None
+    return None if match is None else FaultTurn(match[1], match[2] == "begins", match[3])
+
+
+_TURN = re.compile(r"'(.*?)' (begins|ends): (.*)", re.DOTALL)

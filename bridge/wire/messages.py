@@ -90,6 +90,7 @@ class EventKind(StrEnum):
     RESET = "reset"
     RESUMED = "resumed"
     CHANGED = "changed"  # a number of the rig or of the controller: by the timeline, or set by somebody
+    FAULT = "fault"  # one begins or ends, or somebody has injected one
     DIFFERS = "differs"  # a controller runs another scenario than the plant
     SAID = "said"  # a law has printed or logged a line: the only one of a controller, on a topic of its own
 
@@ -191,7 +192,7 @@ int64 stamp       # [ns]
 uint64 run_id
 uint64 sequence
 int64 stamp       # simulated [ns]
-string kind       # started, ended, late, missed, refused, changed, differs; of a controller: said;
+string kind       # started, ended, late, missed, refused, changed, fault, differs; of a controller: said;
                   # of the plant's safety: safe, latched, degraded, restored, alarm, cleared, reset, resumed
 uint64 source     # of the command it is about, or of the controller that speaks, else 0
 uint64 command    # its sequence; or the number of the timeline's entry, of the alarm; else 0

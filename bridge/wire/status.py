@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from bridge.wire.messages import Phase
 from twin.topology import PRESSURES
 
-REFUSED, PUBLISHED = "refused/", "published/"  # a count per reason, per topic
+REFUSED, PUBLISHED, FAULTED = "refused/", "published/", "faulted/"  # a count per reason, topic, word
 
 
 class Reading(NamedTuple):
@@ -58,13 +58,16 @@ class PlantStatus(NamedTuple):
     refused: Mapping[str, int] = {}  # commands by reason
     pace: Pace | None = None  # None without a clock
     published: Mapping[str, int] = {}  # messages per topic, with the last words
+    faulted: Mapping[str, int] = {}  # what faults of the link have done, by what
 
     def plain(self) -> dict[str, float]:
         """Names and numbers of the message."""
         own = {name: value for name, value in zip(self._fields[:6], self[:6], strict=True) if value is not None}
         reading = self.reading.plain() if self.reading else {}
         pace = self.pace.plain() if self.pace else {}
-        return own | reading | counted(REFUSED, self.refused) | pace | counted(PUBLISHED, self.published)
+        groups = ((REFUSED, self.refused), (PUBLISHED, self.published), (FAULTED, self.faulted))
+        numbers_of_groups = {name: n for prefix, numbers in groups for name, n in counted(prefix, numbers).items()}
+        return own | reading | pace | numbers_of_groups
 
     @classmethod
     def from_plain(cls, values: Mapping[str, float]) -> "PlantStatus":
@@ -80,6 +83,7 @@ class PlantStatus(NamedTuple):
             refused=counts(REFUSED, values),
             pace=_pace(values),
             published=counts(PUBLISHED, values),
+            faulted=counts(FAULTED, values),
         )
 
 

@@ -15,6 +15,7 @@ from twin.circuit.open_centre import laws_at_rest, passed, steady_lands
 from twin.circuit.rates import STATES, vector_rates
 from twin.circuit.state import oil_in, pressures
 from twin.circuit.step import Circuit
+from twin.cylinder import Chambers
 from twin.integration import integrate
 from twin.lands import Lands
 from twin.load_at_rest import held_force
@@ -174,7 +175,7 @@ def test_chambers_at_rest_are_filled_and_emptied_by_one_speed(cylinder: dict[str
     p, actuator = pressures(equilibrium(c, 0.1)), c.parts.cylinder
     drop = Lands(p.p - p.a, p.b - p.t, p.p - p.b, p.a - p.t, 0.0)
     q, leak = steady_lands(drop, 0.0, c), actuator.leakage * (p.lower - p.upper)
-    drains = outside(actuator)
+    drains = outside(actuator, Chambers(p.lower, p.upper))
     rises = (q.p_a - q.a_t - leak - drains.lower * p.lower) / actuator.area_lower
     sinks = (q.p_b - q.b_t + leak - drains.upper * p.upper) / actuator.area_upper
     assert rises == pytest.approx(-sinks, rel=1e-6)

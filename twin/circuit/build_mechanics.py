@@ -11,7 +11,7 @@ from twin.circuit.oil import air_of
 from twin.circuit.step import Parts
 from twin.compliant import Compliant
 from twin.contact import AnyStops, NoStops, Stops
-from twin.cylinder import Cylinder, DrainedCylinder
+from twin.cylinder import Cylinder, DrainedCylinder, HoledCylinder
 from twin.environment import Environment
 from twin.friction import Friction, NoFriction
 from twin.lever import Lever
@@ -20,6 +20,7 @@ from twin.load_slot import AnyLoad, HeldLoad
 from twin.lugre import LuGre
 from twin.motor import Motor
 from twin.oil import Oil
+from twin.orifice import Orifice, resistance
 from twin.rig import Values
 from twin.seal import seal
 from twin.stribeck import Stribeck
@@ -37,7 +38,7 @@ def actuator_of(rig: Values, oil: Oil) -> Actuator:
     return _cylinder(rig["cylinder"], oil, air)
 
 
-def _cylinder(cylinder: Entries, oil: Oil, air: AnyAir) -> Cylinder | DrainedCylinder:
+def _cylinder(cylinder: Entries, oil: Oil, air: AnyAir) -> Cylinder | DrainedCylinder | HoledCylinder:
     bore, rod = cylinder["bore"], cylinder["rod"]
     if rod >= bore:
         raise ValueError(f"cylinder.rod {rod} m must be thinner than cylinder.bore {bore} m")
@@ -47,21 +48,31 @@ def _cylinder(cylinder: Entries, oil: Oil, air: AnyAir) -> Cylinder | DrainedCyl
     dead = cylinder["dead_lower"], cylinder["dead_upper"]
     leakage = 1.0 / cylinder["leakage_resistance"]
     outside = 1.0 / cylinder["outside_lower"], 1.0 / cylinder["outside_upper"]
-    if cylinder["wall"] == 0.0 and not any(outside):
-        return Cylinder(
-            area_lower, area_upper, *dead, cylinder["stroke"], leakage, oil.bulk_modulus, oil.vapour_pressure, air
-        )
-    b_lower, b_upper = (_with_barrel(oil, full / area, cylinder) for area in (area_lower, area_upper))
-    return DrainedCylinder(
-        area_lower, area_upper, *dead, cylinder["stroke"], leakage, *outside, b_lower, b_upper, oil.vapour_pressure, air
-    )
+    modulus = oil.bulk_modulus * cylinder["stiffness"]
+    sizes = area_lower, area_upper, *dead, cylinder["stroke"], leakage
+    if cylinder["wall"] == 0.0 and not any(outside) and cylinder["holes"] == "none":
+        return Cylinder(*sizes, modulus, oil.vapour_pressure, air)
+    moduli = (_with_barrel(modulus, full / area, cylinder) for area in (area_lower, area_upper))
+    if cylinder["holes"] == "none":
+        return DrainedCylinder(*sizes, *outside, *moduli, oil.vapour_pressure, air)
+    (a_lower, b_lower), (a_upper, b_upper) = (_hole(cylinder, f"hole_{side}", oil) for side in ("lower", "upper"))
+    holes = a_lower, a_upper, b_lower, b_upper
+    return HoledCylinder(*sizes, *outside, *moduli, oil.vapour_pressure, *holes, air)
 
 
-def _with_barrel(oil: Oil, share: float, cylinder: Entries) -> float:
-    """B [Pa] of a chamber: the barrel widens by its bore's area, `share` times the chamber's, (2.8)."""
+def _hole(cylinder: Entries, name: str, oil: Oil) -> tuple[float, float]:
+    """(a, b) of a hole; nothing passes one without a diameter."""
+    if cylinder[name] == 0.0:
+        return 0.0, math.inf
+    orifice = Orifice(cylinder["hole_discharge"], cylinder["hole_transition"])
+    return resistance(0.25 * math.pi * cylinder[name] ** 2, orifice, oil)
+
+
+def _with_barrel(modulus: float, share: float, cylinder: Entries) -> float:
+    """B [Pa] of a chamber: the barrel widens by its bore's area, `share` times the chamber's, (2.8). modulus: oil's."""
     if cylinder["wall"] == 0.0:
-        return oil.bulk_modulus
-    return 1.0 / (1.0 / oil.bulk_modulus + share * cylinder["bore"] / (cylinder["wall"] * cylinder["young"]))
+        return modulus
+    return 1.0 / (1.0 / modulus + share * cylinder["bore"] / (cylinder["wall"] * cylinder["young"]))
 
 
 def _motor(motor: Entries, reach: float, oil: Oil, air: AnyAir) -> Motor:

@@ -243,7 +243,8 @@ def _inflow_slopes(y: Array, circuit: Circuit, edge: str | None, of_lines: Array
 def _add_chambers(slopes: Array, y: Array, c: Parts) -> None:
     """What the chambers' volumes, or the oil that passes, and their leaks to the outside add."""
     area, b = interpreted(areas)(c.cylinder, float(y[X])), interpreted(moduli)(c.cylinder)
-    drained, wide = interpreted(outside)(c.cylinder), interpreted(widening)(c.cylinder) == 1.0
+    drained = interpreted(outside)(c.cylinder, Chambers(float(y[LOWER]), float(y[UPPER])))
+    wide = interpreted(widening)(c.cylinder) == 1.0
     for place, swept, modulus, leak, sign in zip(CHAMBERS_AT, area, b, drained, (-1.0, 1.0), strict=True):
         slope, empty = interpreted(tangent)(c.cylinder.air, modulus, swept, float(y[place])) if wide else (0.0, swept)
         slopes[place, place] += sign * slope * y[V] - leak

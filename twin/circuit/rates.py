@@ -18,6 +18,7 @@ from twin.air import compression, tangent
 from twin.check_valve import cracking_drop_of
 from twin.circuit.state import Flows, Pressures
 from twin.circuit.step import Circuit
+from twin.cylinder import Chambers
 from twin.directional_valve import Spool, force_at, land_orifice, lands_at, leaks_at, spool_rates
 from twin.fitting import fitting_resistance
 from twin.kernel import inlined, kernel
@@ -107,7 +108,7 @@ def _inflows(y, c, out) -> None:
     out[PUMP] = steady_supply(c.supply, y[PUMP], 1.0, c.oil)[0]
     out[TEE] = -steady_relief(c.relief, y[TEE])
     out[P], out[A], out[B], out[T], out[BACK] = -p_a - p_b, p_a - a_t, p_b - b_t, b_t + a_t, 0.0
-    drained = outside(c.cylinder)
+    drained = outside(c.cylinder, Chambers(y[LOWER], y[UPPER]))
     out[LOWER], out[UPPER] = -leak - drained.lower * y[LOWER], leak - drained.upper * y[UPPER]
 
 

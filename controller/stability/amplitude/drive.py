@@ -176,7 +176,7 @@ def _glide(
         v = slide(d.seal, v, push.force, push.mass, abs(p.lower - p.upper), NOTHING, h)
         x, v = _travel(d.load, x, v, h)
         x, v = _within(d.stops, x, v)
-        leak, out = d.cylinder.leakage * (p.lower - p.upper), outside(d.cylinder)
+        leak, out = d.cylinder.leakage * (p.lower - p.upper), outside(d.cylinder, p)
         stored = Chambers(
             stored.lower + h * (q_3 - leak - out.lower * p.lower), stored.upper + h * (q_4 + leak - out.upper * p.upper)
         )
