@@ -35,6 +35,7 @@ VERBS = {
         "scenarios:describe",
         "Print a scenario's circuit: parts, values with their sources, frequencies, travel times, limits of the step.",
     ),
+    "faults": Verb(LOOK, "faults:faults", "List what can go wrong: targets, kinds, and the numbers of each."),
     "convergence": Verb(
         LOOK,
         "scenarios:convergence",
@@ -136,6 +137,11 @@ VERBS = {
         PROCESSES,
         "tuning:set_",
         "Change numbers of a rig that runs, all of them or none; the recording keeps each change with its instant.",
+    ),
+    "fault": Verb(
+        PROCESSES,
+        "faults:fault",
+        "Inject a fault into a rig that runs; the recording keeps it with its instant, and a replay repeats it.",
     ),
     "watch": Verb(
         PROCESSES,

@@ -27,8 +27,8 @@ def get(
     """Print numbers that can change while a rig runs: their values now, units and limits."""
     from bridge.cli.tables import print_table
 
-    with _bus(rig, connect, zenoh_config) as bus:
-        found = _asked(bus, "parameters", json.dumps(names).encode() if names else b"")
+    with bus_of(rig, connect, zenoh_config) as bus:
+        found = asked(bus, "parameters", json.dumps(names).encode() if names else b"")
     if as_json:
         print_json(found)
         return
@@ -48,9 +48,9 @@ def set_(
     as_json: AS_JSON = False,
 ) -> None:
     """Change numbers of a rig that runs, all of them or none; the recording keeps each change with its instant."""
-    wanted = {"set": dict(map(_pair, changes)), "over": over}
-    with _bus(rig, connect, zenoh_config) as bus:
-        found = _asked(bus, "parameters/set", json.dumps(wanted).encode())
+    wanted = {"set": dict(map(pair, changes)), "over": over}
+    with bus_of(rig, connect, zenoh_config) as bus:
+        found = asked(bus, "parameters/set", json.dumps(wanted).encode())
     if as_json:
         print_json(found)
         return
@@ -71,16 +71,16 @@ def watch(
     from bridge.machine.process import Stop
     from bridge.processes.watching import Watching
 
-    with _bus(rig, connect, zenoh_config) as bus:
-        asked = json.dumps(names or []).encode()
-        _asked(bus, "parameters", asked)
+    with bus_of(rig, connect, zenoh_config) as bus:
+        listed = json.dumps(names or []).encode()
+        asked(bus, "parameters", listed)
         watching, stop = Watching(bus), Stop().listen()
         due, lines = time.monotonic(), 0
         while not stop() and not watching.ended:
             time.sleep(0.02)
             if time.monotonic() >= due and (row := watching.row()):
                 due = time.monotonic() + every
-                values = _asked(bus, "parameters", asked)["parameters"] if names else []
+                values = asked(bus, "parameters", listed)["parameters"] if names else []
                 _print_row(row | {entry["name"]: entry["value"] for entry in values}, as_json, lines % HEADED == 0)
                 lines += 1
 
@@ -94,7 +94,8 @@ def _print_row(row: dict[str, float], as_json: bool, headed: bool) -> None:
     print(" ".join(f"{value:{max(WIDTH, len(name))}.4g}" for name, value in row.items()), flush=True)
 
 
-def _pair(change: str) -> tuple[str, Any]:
+def pair(change: str) -> tuple[str, Any]:
+    """Name and value of "name=value", a number if it is one. Raises UsageError."""
     name, sign, text = change.partition("=")
     if not sign or not name.strip() or not text.strip():
         raise UsageError(f"{change!r} is not a change; write name=value, such as controller.gain=1.5")
@@ -104,14 +105,15 @@ def _pair(change: str) -> tuple[str, Any]:
         return name.strip(), text.strip()
 
 
-def _bus(rig: str, connect: str, config: Any) -> Any:
+def bus_of(rig: str, connect: str, config: Any) -> Any:
+    """A bus of an operator. Raises LinkError."""
     from bridge.wire.bus import Bus
     from bridge.wire.link import Link
 
     return Bus(Link(None, connect, config, 2.0), rig, "operator", blocking=True)
 
 
-def _asked(bus: Any, name: str, payload: bytes) -> dict[str, Any]:
+def asked(bus: Any, name: str, payload: bytes) -> dict[str, Any]:
     """What the plant answers. Raises RunError where there is none, UsageError for what it refuses."""
     answer = bus.request(name, payload, PATIENCE)
     if answer is None:

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Iterator
 
+from bridge.errors import ScenarioError
 from bridge.loop.controller import ControllerSide
 from bridge.loop.identity import derived
 from bridge.loop.plant import Heard, PlantSide
 from bridge.scenario import Scenario
+from bridge.scenario.faults import PROCESS_OF
 from bridge.wire.events import last_words
 from bridge.wire.messages import Ending, Outgoing
 from controller.laws import ControlLaw
@@ -54,6 +56,12 @@ def _answer(plant: PlantSide, controller: ControllerSide, heard: Heard) -> list[
 
 
 def sides(scenario: Scenario, law: ControlLaw | None = None) -> tuple[PlantSide, ControllerSide]:
-    """Plant and controller of the run that the scenario's seed names; with another law, if there is one."""
+    """Plant and controller of the run that the scenario's seed names; with another law, if there is one.
+
+    Raises ScenarioError for a fault of a process: here is none.
+    """
+    for fault in scenario.fault:
+        if fault.target.startswith(f"{PROCESS_OF}."):
+            raise ScenarioError(f"fault {fault.target} {fault.kind}: in one process there is none; use --mode realtime")
     run_id = derived(scenario.seed, scenario.rig_name)
     return PlantSide(scenario, run_id), ControllerSide(scenario, derived(scenario.seed, "controller"), law)

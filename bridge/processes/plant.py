@@ -4,18 +4,22 @@ import json
 import os
 import queue
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from bridge.errors import RunError
+from bridge.errors import RunError, ScenarioError
 from bridge.loop.plant import PlantSide
 from bridge.loop.plant_tuning import refuse_impossible
 from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
 from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop, prepare
-from bridge.processes.parameters import Settings, answer_to, listed, target_of
+from bridge.processes.failing import faults_of_processes, refuse_processes
+from bridge.processes.injection import injected_by
+from bridge.processes.orders import Act, Order, answer_to
+from bridge.processes.parameters import listed, set_by, target_of
+from bridge.processes.starting import EAR
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.law_file import law_facts
@@ -72,7 +76,7 @@ class PlantProcess:
         self.stop = Stop()
         self.side = PlantSide(scenario, options.run_id)
         self.pace: Pace | None = None  # None before the first tick, and in lockstep
-        self._commands: queue.SimpleQueue[Command | Settings | None] = queue.SimpleQueue()
+        self._commands: queue.SimpleQueue[Command | Order | None] = queue.SimpleQueue()
         self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
         self._status_due = 0
         self._timings = 0
@@ -86,7 +90,8 @@ class PlantProcess:
         bus.subscribe("status", self._on_status)
         bus.answer("scenario", self._manifest)
         bus.serve("parameters", lambda payload: listed(self.side, payload))
-        bus.serve("parameters/set", lambda payload: answer_to(payload, scenario, self._commands.put))
+        for name, asked in (("parameters/set", set_by), ("fault", injected_by)):
+            bus.serve(name, lambda payload, asked=asked: self._answer(payload, asked))
         ready("command")
         bus.subscribe("command", self._on_command)
         self._targets: queue.SimpleQueue[bytes] = queue.SimpleQueue()
@@ -206,15 +211,19 @@ class PlantProcess:
                 slack = due + round(blocks_ahead * period) - command.came
         return trip, slack
 
-    def _arrived(self) -> Iterator[Command | Settings | None]:
+    def _arrived(self) -> Iterator[Command | Order | None]:
         while True:
             try:
                 yield self._commands.get_nowait()
             except queue.Empty:
                 return
 
-    def _handle(self, command: Command | Settings | None) -> Any:
-        if isinstance(command, Settings):
+    def _answer(self, payload: bytes, asked: Callable[[bytes, Scenario], Act]) -> bytes:
+        """In Zenoh's thread: the answer to what somebody asks of the loop."""
+        return answer_to(payload, lambda payload: asked(payload, self.scenario), self._commands.put)
+
+    def _handle(self, command: Command | Order | None) -> Any:
+        if isinstance(command, Order):
             command.take(self.side)
             return None
         if command is None:
@@ -347,6 +356,9 @@ def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantRep
     """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
     circuit_of(scenario)  # refused before anybody is told of it
     refuse_impossible(scenario)
+    refuse_processes(scenario, options.mode)
+    if options.mode == Mode.REALTIME and EAR not in options.partners and (alone := [*faults_of_processes(scenario)]):
+        raise ScenarioError(f"fault {alone[0]!r}: only `hydrotwin run` starts the processes that are to fail")
     prepare(options.fifo)
     with Bus(link, scenario.rig_name, "plant", blocking=options.mode == Mode.LOCKSTEP) as bus:
         if others := bus.others("plant"):

@@ -9,12 +9,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from bridge.loop.identity import derived
 from bridge.machine.children import guarded
 from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop
 from bridge.processes.child import Child
+from bridge.processes.failing import Failing, refuse_processes
 from bridge.processes.options import SLOW, RunOptions
+from bridge.processes.starting import EAR, STARTUP, Starter
 from bridge.scenario import Scenario
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode
@@ -27,8 +28,6 @@ SILENCE = 5.0  # seconds without a word from the plant after which it counts as 
 STANDSTILL = 5.0  # seconds without a turn that no load explains
 FAREWELL = 8.0  # seconds that processes get to finish once they should
 READING = 0.1  # seconds per simulated second that the recorder gets on top, to read its file for the summary
-EAR = "supervisor"  # our role on the bus
-STARTUP = 90.0  # seconds to the first word: the first start compiles
 
 
 class Supervisor:
@@ -54,6 +53,7 @@ class Supervisor:
 
     def run(self) -> list[str]:
         """Run to the end, whatever happens; every process of ours is gone afterwards. Returns what went wrong."""
+        refuse_processes(self.scenario, self.options.mode)
         before = _state(self.options.recording)
         with (
             tempfile.TemporaryDirectory(prefix="hydrotwin-") as folder,
@@ -64,6 +64,7 @@ class Supervisor:
                 self._start(Path(folder), endpoint, environment)
                 self._watch(endpoint)
             finally:
+                self._failing.release()
                 for child in self.children:
                     child.ask()
                 for child in self.children:
@@ -76,24 +77,10 @@ class Supervisor:
         return self.faults
 
     def _start(self, folder: Path, endpoint: str, environment: Mapping[str, str]) -> None:
-        options, file = self.options, folder / "scenario.json"
-        file.write_text(self.scenario.model_dump_json(), encoding="utf-8")
-        common = ["--mode", options.mode]
-        seed = self.scenario.seed
-        plant = [str(file), *common, "--listen", endpoint, "--speed", str(options.speed)]
-        plant += ["--run-id", str(derived(seed, self.scenario.rig_name)), "--patience", str(options.patience)]
-        plant += ["--await", "recorder", "--await", "controller", "--await", EAR, "--quiet"]
-        fifo = ["--fifo"] if options.fifo else []
-        client = [*common, "--connect", endpoint, "--patience", str(STARTUP)]
-        self.children.append(Child("plant", plant + fifo, folder, environment))
-        record = ["--output", str(options.recording), "--rig", self.scenario.rig_name]
-        self.children.append(Child("record", [*record, *client], folder, environment))
-        if not options.external:
-            source = ["--source", str(derived(seed, "controller"))]
-            self.children.append(
-                Child("controller", [str(file), *client, *source, *fifo, "--quiet"], folder, environment)
-            )
-        if options.mode == Mode.LOCKSTEP:
+        starter = Starter(self.scenario, self.options, folder, endpoint, environment)
+        self._failing = Failing(self.scenario, starter.start)
+        self.children += starter.all()
+        if self.options.mode == Mode.LOCKSTEP:
             self._share_a_processor()
 
     def _share_a_processor(self) -> None:
@@ -137,6 +124,7 @@ class Supervisor:
                 continue
             bus.subscribe("status", self._on_status)
             bus.subscribe("said", self._on_said)
+            bus.subscribe("event", self._failing.hear)
             bus.announce()
             self._heard = time.monotonic()
             return bus
@@ -158,6 +146,7 @@ class Supervisor:
 
     def _over(self) -> bool:
         now = time.monotonic()
+        self._failing.act(self.children)
         self._note_faults()
         if all(child.ended() for child in self.children):
             return True
@@ -171,6 +160,7 @@ class Supervisor:
 
     def _note_faults(self) -> None:
         """Take down each failed process once, before any is ended by us."""
+        self._noted += [child for child in self._failing.killed if child not in self._noted]
         for child in self.children:
             if child not in self._noted and (fault := child.fault()):
                 self._noted.append(child)

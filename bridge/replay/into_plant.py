@@ -42,7 +42,7 @@ def _hand_in(given: Input, side: PlantSide) -> None:
 
 def _ticks(recording: Recording, scenario: Scenario) -> int:
     """How far the recorded run goes."""
-    topic = next((topic for topic in ("measurement", "state") if recording.counts.get(topic)), None)
-    if topic is None:
+    instants = [entry.log_time for topic in ("measurement", "state") for entry in recording.of(topic)]
+    if not instants:
         raise UsageError(f"{recording.path}: no measurement in it to compare with")
-    return int(recording.columns(topic)["stamp"].max()) // scenario.loop.grid().daq
+    return max(instants) // scenario.loop.grid().daq
