@@ -34,23 +34,23 @@ class Acquisition:
         if number != self._number:
             self._number, self._noise = number, noise_block(self._seed, number)
         self._row[:] = self._noise[row]
-        if seen is not None and self._offset is None:
-            self._part()
-        if self._offset is not None:
-            np.add(self.taps if seen is None else seen, self._offset, out=self._arguments[0])
+        offset = self._parted() if seen is not None else self._offset
+        if offset is not None:
+            np.add(self.taps if seen is None else seen, offset, out=self._arguments[0])
             self._row *= self._share
         self._acquire(*self._arguments)
         return self._reading
 
     def tune(self, channel: str, what: str, value: float) -> None:
         """From now on: the `offset` [SI] of a channel's transducer, or its `noise` [LSB rms]."""
-        if self._offset is None:
-            self._part()
-        target = self._offset if what == "offset" else self._share
+        offset = self._parted()
+        target = offset if what == "offset" else self._share
         target[[*CHANNELS].index(channel)] = value
 
-    def _part(self) -> None:
-        """From now on the card reads other values than the taps, and channels have a noise of their own."""
-        self._offset, self._share = np.zeros(len(CHANNELS)), np.full(len(CHANNELS), self._card.noise)
-        own = self.taps.copy(), self._row, self._card._replace(noise=1.0), self._step, self._reading
-        self._arguments, self._acquire = own, entry(acquire, *own)
+    def _parted(self) -> NDArray[np.float64]:
+        """From now on the card reads other values than the taps, with a noise of each channel; the offsets."""
+        if self._offset is None:
+            self._offset, self._share = np.zeros(len(CHANNELS)), np.full(len(CHANNELS), self._card.noise)
+            own = self.taps.copy(), self._row, self._card._replace(noise=1.0), self._step, self._reading
+            self._arguments, self._acquire = own, entry(acquire, *own)
+        return self._offset

@@ -60,10 +60,10 @@ class BadLink:
 
     def take(self, command: Any, now: int) -> None:
         """Send a command; it is offered to the plant when it is there."""
-        sample = command.sample_stamp
+        sample: int = command.sample_stamp
         self._open.discard(sample)
         self._inlet.note_answer(command, now)
-        sent = self._heard_at.get(sample, sample)
+        sent: int = self._heard_at.get(sample, sample)
         fate = self._in.send(command.sequence, sent)
         if not fate.arrivals:
             self._kept += 1

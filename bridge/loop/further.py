@@ -28,7 +28,9 @@ class FurtherChannels:
         self._share = np.full(len(sensors), scenario.daq.noise)  # noise of each [LSB rms]
         self._begin(0)
 
-    def read(self, tick: int, state: Array, seen: Array, taps: Array, now: int, lies: SensorFaults | None) -> Array:
+    def read(
+        self, tick: int, state: Array, seen: Array, taps: Array, now: int = 0, lies: SensorFaults | None = None
+    ) -> Array:
         """What the card reads of a plant at a tick; taps: what its own channels touch, a step before and now.
 
         now: [ns]; lies: faults of the transducers.

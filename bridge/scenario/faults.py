@@ -28,7 +28,7 @@ class Fault(Part):
 
     target: Line = Field(description="link.command, sensor.p2, valve, pump, process.controller, ...")
     kind: Line = Field(description="what happens to it: delay, stuck, leak, crash, ...")
-    name: Line = Field(default="", pattern=r"^[^'\"]*$", description="in events and tables; by default target and kind")
+    name: Line = Field(default="", description="in events and tables; by default target and kind")
     at: Seconds | None = Field(default=None, ge=0.0, description="when it begins, whole internal steps")
     when: Line | None = Field(default=None, description='or on what: "p2 > 60 bar", "safe"')
     after: Seconds = Field(default=0.0, ge=0.0, description="how long after that it begins")
@@ -116,6 +116,8 @@ def plan_fault(fault: Fault, scenario: "Scenario", number: int) -> PlannedFault:
     def instant(name: str, seconds: float) -> int:
         return whole(name, seconds, "internal step", step)
 
+    if set(fault.name) & {"'", '"'}:
+        raise ValueError(f"name {fault.name!r}: write it without quotation marks")
     if kind.lasting and fault.lasts is None:
         raise ValueError(f'{fault.target} {words}: say how long, lasts = "0.2 s"')
     return PlannedFault(

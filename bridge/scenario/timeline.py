@@ -13,7 +13,7 @@ from bridge.scenario.conditions import crossing
 from bridge.scenario.fields import Hertz, Line, Part, Seconds
 from bridge.scenario.tunable import Tunable, difference_in_si, in_si, tunable, within
 from bridge.wire.messages import EventKind
-from controller.course import NEVER, Pulse, Ramp, Shape, Sine, Step, Table
+from controller.course import NEVER, Altered, Pulse, Ramp, Shape, Sine, Step, Table
 from controller.grid import NS, whole
 
 if TYPE_CHECKING:
@@ -188,5 +188,5 @@ def reached(item: Item) -> Iterator[float]:
     shape = item.shape
     if isinstance(shape, Table):
         yield from shape.values
-    elif not isinstance(shape, Sine):
+    elif not isinstance(shape, Sine | Altered):
         yield shape.to

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import hydrotwin as ht
 from bridge.errors import ScenarioError
 from bridge.loop.exchange import exchange, sides
 from bridge.loop.fault_chance import Luck
@@ -297,6 +298,7 @@ def test_a_fault_that_is_injected_acts_at_once_and_comes_out_of_a_replay(tmp_pat
     plant, controller = sides(made)
     asked = injected_by(b'{"target": "sensor.p2", "kind": "stuck", "lasts": "0.1 s"}', made)
     entries: list[Any] = []
+    answer: dict[str, Any] = {}
     for tick, messages in enumerate(exchange(plant, controller, made.ticks)):
         entries += messages
         if tick == 300:
@@ -338,6 +340,13 @@ def test_a_fault_that_cannot_be_is_refused_in_one_line(fault: str, said: str):
         sides(scenario(fault))
     assert said in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_the_page_s_bad_day_passes_its_check(tmp_path: Path):
+    page = (ROOT / "docs/faults.md").read_text(encoding="utf-8")
+    (tmp_path / "bad-day.toml").write_text(page.partition("```toml\n")[2].partition("```")[0], encoding="utf-8")
+    run = ht.run(tmp_path / "bad-day.toml")
+    assert run.passed, (run.faults, run.bands)
 
 
 def test_every_target_and_kind_is_in_the_page():

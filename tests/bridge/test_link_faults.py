@@ -88,7 +88,7 @@ def test_constant_growing_and_bursting_delays():
 
 def test_no_delayed_message_overtakes_another_and_a_reordered_one_does():
     sizes = {"law": "exponential", "time": "0 s", "spread": "5 ms"}
-    arrivals = [n * MS + a[0] for n, (a, _) in enumerate(sent("delay", **sizes))]
+    arrivals = [n * MS + a[0] for n, (a, _) in enumerate(sent("delay", 1, MESSAGES, **sizes))]
     assert arrivals == sorted(arrivals)
     held = [n * MS + a[0] for n, (a, _) in enumerate(sent("reorder", share=0.1, time="5 ms"))]
     assert held != sorted(held)

@@ -45,19 +45,18 @@ def _cylinder(cylinder: Entries, oil: Oil, air: AnyAir) -> Cylinder | DrainedCyl
     full, annulus = math.pi / 4.0 * bore**2, math.pi / 4.0 * (bore**2 - rod**2)
     area_lower = full if cylinder["rod_at"] == "b" else annulus
     area_upper = full if cylinder["rod_at"] == "a" else annulus
-    dead = cylinder["dead_lower"], cylinder["dead_upper"]
     leakage = 1.0 / cylinder["leakage_resistance"]
     outside = 1.0 / cylinder["outside_lower"], 1.0 / cylinder["outside_upper"]
     modulus = oil.bulk_modulus * cylinder["stiffness"]
-    sizes = area_lower, area_upper, *dead, cylinder["stroke"], leakage
+    sizes = area_lower, area_upper, cylinder["dead_lower"], cylinder["dead_upper"], cylinder["stroke"], leakage
     if cylinder["wall"] == 0.0 and not any(outside) and cylinder["holes"] == "none":
         return Cylinder(*sizes, modulus, oil.vapour_pressure, air)
-    moduli = (_with_barrel(modulus, full / area, cylinder) for area in (area_lower, area_upper))
+    b_lower, b_upper = (_with_barrel(modulus, full / area, cylinder) for area in (area_lower, area_upper))
+    drained = *sizes, *outside, b_lower, b_upper, oil.vapour_pressure
     if cylinder["holes"] == "none":
-        return DrainedCylinder(*sizes, *outside, *moduli, oil.vapour_pressure, air)
-    (a_lower, b_lower), (a_upper, b_upper) = (_hole(cylinder, f"hole_{side}", oil) for side in ("lower", "upper"))
-    holes = a_lower, a_upper, b_lower, b_upper
-    return HoledCylinder(*sizes, *outside, *moduli, oil.vapour_pressure, *holes, air)
+        return DrainedCylinder(*drained, air)
+    lower, upper = (_hole(cylinder, f"hole_{side}", oil) for side in ("lower", "upper"))
+    return HoledCylinder(*drained, lower[0], upper[0], lower[1], upper[1], air)
 
 
 def _hole(cylinder: Entries, name: str, oil: Oil) -> tuple[float, float]:

@@ -7,6 +7,7 @@ speed, while they carry it.
 
 from twin.actuator import areas, outside
 from twin.circuit.step import Circuit
+from twin.cylinder import Chambers
 from twin.kernel import interpreted
 from twin.land_law import Law, Laws, land_flow
 from twin.lands import Lands
@@ -38,12 +39,12 @@ def passed(drop: float, laws: Laws) -> float:
 def upper_pressure(p: float, t: float, position: float, weight: float, laws: Laws, circuit: Circuit) -> float | None:
     """Pressure [Pa] of the upper chamber while the valve in the middle holds a weight [N]; None where it cannot."""
     actuator, vapour = circuit.parts.cylinder, circuit.parts.oil.vapour_pressure
-    area, drains = interpreted(areas)(actuator, position), interpreted(outside)(actuator)
+    area = interpreted(areas)(actuator, position)
 
     def sinks(upper: float) -> float:
         """Sum of the speeds at which the chambers are filled [m/s]: falls with their pressures."""
         lower = (weight + area.upper * upper) / area.lower
-        leak = actuator.leakage * (lower - upper)
+        leak, drains = actuator.leakage * (lower - upper), interpreted(outside)(actuator, Chambers(lower, upper))
         into_lower = _flow(p - lower, laws.p_a) - _flow(lower - t, laws.a_t) - leak - drains.lower * lower
         into_upper = _flow(p - upper, laws.p_b) - _flow(upper - t, laws.b_t) + leak - drains.upper * upper
         return into_lower / area.lower + into_upper / area.upper
