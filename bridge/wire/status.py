@@ -65,9 +65,8 @@ class PlantStatus(NamedTuple):
         own = {name: value for name, value in zip(self._fields[:6], self[:6], strict=True) if value is not None}
         reading = self.reading.plain() if self.reading else {}
         pace = self.pace.plain() if self.pace else {}
-        groups = ((REFUSED, self.refused), (PUBLISHED, self.published), (FAULTED, self.faulted))
-        numbers_of_groups = {name: n for prefix, numbers in groups for name, n in counted(prefix, numbers).items()}
-        return own | reading | pace | numbers_of_groups
+        sent = counted(PUBLISHED, self.published) | counted(FAULTED, self.faulted)
+        return own | reading | counted(REFUSED, self.refused) | pace | sent
 
     @classmethod
     def from_plain(cls, values: Mapping[str, float]) -> "PlantStatus":
