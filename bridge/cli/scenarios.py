@@ -31,6 +31,7 @@ def describe(
         alarms,
         empty_slots,
         facts,
+        faults,
         shown_values,
         slots_of,
         step_rows,
@@ -43,12 +44,14 @@ def describe(
     values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
     slots = slots_of(loaded)
     parameters, happens, limits_kept = _parameters(loaded), timeline(loaded), alarms(loaded)
+    wrong = faults(loaded)
     if as_json:
         keys = ("part", "what", "time", "longest step")
         limits = [dict(zip(keys, row, strict=True)) for row in steps]
         plain = {"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits}
         plain["fitted"] = [dict(zip(("slot", "kind", "chosen by"), row, strict=True)) for row in slots]
         further = {"parameters": parameters, "timeline": [h._asdict() for h in happens]}
+        further["faults"] = [fault._asdict() for fault in wrong]
         further["alarms"] = [limit._asdict() for limit in limits_kept]
         print_json(plain | {name: rows for name, rows in further.items() if rows})
         return
@@ -71,6 +74,9 @@ def describe(
     if happens:
         print()
         print_table(("in the timeline", "what changes"), happens)
+    if wrong:
+        print()
+        print_table(("fault", "what goes wrong"), wrong)
     if limits_kept:
         print()
         print_table(("alarm", "leads to"), limits_kept)

@@ -4,6 +4,8 @@ import math
 from typing import Any, NamedTuple
 
 from bridge.scenario.circuit import circuit_of, rest_of, supply_of
+from bridge.scenario.faults import Fault
+from bridge.scenario.faults import planned as faults_of
 from bridge.scenario.fitted import SLOTS, fitted
 from bridge.scenario.in_force import in_force
 from bridge.scenario.lowering_swing import in_words, lowering_swings
@@ -37,7 +39,7 @@ class Value(NamedTuple):
 
 
 class Happens(NamedTuple):
-    """An entry of the timeline."""
+    """An entry of the timeline, a fault or an alarm."""
 
     when: str
     what: str
@@ -99,7 +101,18 @@ def timeline(scenario: Scenario) -> list[Happens]:
     return [Happens(_when(entry), item.words) for entry, item in zip(scenario.timeline, plan(scenario), strict=True)]
 
 
-def _when(entry: Happening) -> str:
+def faults(scenario: Scenario) -> list[Happens]:
+    """What goes wrong while it runs."""
+    return [Happens(_spells(entry), one.words) for entry, one in zip(scenario.fault, faults_of(scenario), strict=True)]
+
+
+def _spells(fault: Fault) -> str:
+    lasts = f", for {fault.lasts:g} s" if fault.lasts is not None else ""
+    chance = f", with probability {fault.probability:g}" if fault.probability < 1.0 else ""
+    return f"{_when(fault)}{lasts}{chance}"
+
+
+def _when(entry: Happening | Fault) -> str:
     after = f" + {entry.after:g} s" if entry.after else ""
     when = f"{entry.at:g} s{after}" if entry.at is not None else f"{entry.when}{after}"
     every = f", every {entry.every:g} s" if entry.every is not None else ""
