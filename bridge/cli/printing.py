@@ -81,6 +81,8 @@ def _counts(summary: "Summary") -> Iterable[str]:
             yield f"faults     {', '.join(f'{name} {count}' for name, count in told.items())}"
     lost = ", ".join(f"{count} {topic}" for topic, count in summary.lost.items()) or "none"
     yield f"lost       {lost}; safe states: {summary.safe_states}"
+    if summary.turned:
+        yield f"away       {', '.join(f'{what} {count}' for what, count in summary.turned.items())}"
     if summary.alarms:
         yield f"alarms     {', '.join(f'{name} {count}' for name, count in summary.alarms.items())}"
 

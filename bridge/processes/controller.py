@@ -16,9 +16,10 @@ from bridge.scenario.sameness import DIGEST, difference, digest_of
 from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
 from bridge.wire.events import line_of_law, reason_of
+from bridge.wire.limits import Excess
 from bridge.wire.link import Link
 from bridge.wire.messages import ALARMING, CHANNELS_TOPIC, GOING, EventKind, Mode, Outgoing, Phase, Reason
-from bridge.wire.status import PUBLISHED, PlantStatus, counted, numbers_of
+from bridge.wire.status import PUBLISHED, TURNED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 
 TOLD_OF_PLANT = (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.CHANGED, EventKind.FAULT, *ALARMING)
@@ -66,7 +67,7 @@ class ControllerProcess:
             self._narrator.note_present(self.bus.present, "controller")
             if self._tick >= 0 and self._introduced != self._run_id:
                 self._introduce(self._run_id)
-        counts = counted(PUBLISHED, self.side.published)
+        counts = counted(PUBLISHED, self.side.published) | counted(TURNED, self.bus.turned.counts())
         self.bus.publish_status(self._run_id, self._stamp, Phase.ENDED, counts, final=True)
         self._narrator.say("the plant has ended" if not self.stop() else "interrupted")
         self._narrator.close()
@@ -92,7 +93,8 @@ class ControllerProcess:
             try:
                 message = decode(sample.payload.to_bytes(), topic)
             except ValueError:
-                return  # somebody else's noise on our keys; the plant counts what concerns it
+                self.bus.turned.add(topic, Excess.UNREADABLE)  # somebody else's noise on our keys
+                return
             try:
                 heed(message)
             except Exception as error:

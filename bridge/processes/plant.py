@@ -15,6 +15,7 @@ from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
 from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop, prepare
+from bridge.machine.refusals import count_refusals
 from bridge.processes.failing import faults_of_processes, refuse_processes
 from bridge.processes.injection import injected_by
 from bridge.processes.orders import Act, Order, answer_to
@@ -28,7 +29,9 @@ from bridge.scenario.sameness import DIGEST, digest_of
 from bridge.wire.bus import Bus, claimed_type
 from bridge.wire.codec import LoopTiming, decode, ready
 from bridge.wire.events import last_words, reason_of
-from bridge.wire.link import Link
+from bridge.wire.intake import Turned, Waiting
+from bridge.wire.limits import STRANGERS, WAITING_COMMANDS, WAITING_TARGETS, Excess, command_rate
+from bridge.wire.link import Link, is_guarded
 from bridge.wire.messages import ALARMING, Ending, EventKind, Mode, OnOverrun, Outgoing, Phase
 from bridge.wire.status import Pace, PlantReport, PlantStatus, numbers_of
 from controller.grid import NS, is_sample
@@ -37,6 +40,7 @@ STATUS_PERIOD = 100_000_000  # [ns] of wall time
 SETTLING = 2.0  # seconds in which a plant that started at the same instant may still be found
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
 LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
+LONGEST_WORDS = 500  # characters of what a stranger says it runs
 LINGER = 5.0  # seconds that partners get to finish
 
 
@@ -76,7 +80,7 @@ class PlantProcess:
         self.stop = Stop()
         self.side = PlantSide(scenario, options.run_id)
         self.pace: Pace | None = None  # None before the first tick, and in lockstep
-        self._commands: queue.SimpleQueue[Command | Order | None] = queue.SimpleQueue()
+        self._commands = Waiting("command", bus.turned, WAITING_COMMANDS)
         self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
         self._status_due = 0
         self._timings = 0
@@ -85,7 +89,8 @@ class PlantProcess:
         self._told: set[str] = set()  # reasons of refusals that were said on the terminal
         self._digest = digest_of(scenario)
         self._settled = 0.0
-        self._strangers: queue.SimpleQueue[str] = queue.SimpleQueue()  # controllers of other scenarios, in words
+        self._strangers = Waiting("stranger", bus.turned, STRANGERS)  # controllers of other scenarios, in words
+        self._met: set[int] = set()  # their processes
         ready("status")
         bus.subscribe("status", self._on_status)
         bus.answer("scenario", self._manifest)
@@ -93,8 +98,9 @@ class PlantProcess:
         for name, asked in (("parameters/set", set_by), ("fault", injected_by)):
             bus.serve(name, lambda payload, asked=asked: self._answer(payload, asked))
         ready("command")
-        bus.subscribe("command", self._on_command)
-        self._targets: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        rate = command_rate(scenario.loop.sample_period, options.speed)
+        bus.subscribe("command", self._on_command, rate)
+        self._targets = Waiting("target", bus.turned, WAITING_TARGETS)
         if isinstance(scenario.reference, Live):
             bus.subscribe("target", lambda sample: self._targets.put(sample.payload.to_bytes()))
         bus.subscribe("reset", lambda *_: self._commands.put(None))
@@ -246,8 +252,16 @@ class PlantProcess:
         with suppress(ValueError):
             status = decode(sample.payload.to_bytes(), "status")
             digest = numbers_of(status).get(DIGEST) if status.role == "controller" else None
-            if digest is not None and round(digest) != self._digest:
-                self._strangers.put(f"controller {status.pid} runs {status.text or 'another scenario'}")
+            if digest is not None and round(digest) != self._digest and status.pid not in self._met:
+                self._meet(status)
+
+    def _meet(self, status: Any) -> None:
+        """Tell of a controller that runs another scenario, once, and of few."""
+        if len(self._met) >= STRANGERS:
+            self.bus.turned.add("stranger", Excess.WAITING)
+            return
+        self._met.add(status.pid)
+        self._strangers.put(f"controller {status.pid} runs {status.text[:LONGEST_WORDS] or 'another scenario'}")
 
     def _leave_to_another(self) -> None:
         """Of plants that started at the same instant, and did not see each other, only that of the lowest id stays."""
@@ -328,7 +342,7 @@ class PlantProcess:
         return status
 
     def _status(self) -> PlantStatus:
-        return self.side.status()._replace(pace=self.pace)
+        return self.side.status()._replace(pace=self.pace, turned=self.bus.turned.counts())
 
     def _manifest(self) -> bytes:
         """What a recorder puts at the head of its file."""
@@ -360,7 +374,11 @@ def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantRep
     if options.mode == Mode.REALTIME and EAR not in options.partners and (alone := [*faults_of_processes(scenario)]):
         raise ScenarioError(f"fault {alone[0]!r}: only `hydrotwin run` starts the processes that are to fail")
     prepare(options.fifo)
-    with Bus(link, scenario.rig_name, "plant", blocking=options.mode == Mode.LOCKSTEP) as bus:
+    turned = Turned()
+    if link.listen and link.config and is_guarded(link.config):
+        count_refusals(turned)
+    blocking = options.mode == Mode.LOCKSTEP
+    with Bus(link, scenario.rig_name, "plant", blocking, turned=turned) as bus:
         if others := bus.others("plant"):
             raise _second(scenario.rig_name, others)
         process = PlantProcess(bus, scenario, options)

@@ -135,6 +135,7 @@ class Summary(NamedTuple):
     first: Mapping[str, str] = {}  # text of the first event of each kind that a run should not have
     degraded: int = 0  # how often an alarm degraded the plant
     alarms: Mapping[str, int] = {}  # how often each has come, by its id
+    turned: Mapping[str, int] = {}  # what arrived at a process and was not let in, by process, kind and reason
 
     def plain(self) -> dict[str, Any]:
         """For JSON and metadata: what is not defined is None."""
@@ -151,7 +152,8 @@ class Summary(NamedTuple):
         }
         rejected = {} if self.rejected is None else {"rejected": self.rejected}
         alarms = {"degraded": self.degraded, "alarms": dict(self.alarms)} if self.alarms else {}
-        return values | rejected | ({"first": dict(self.first)} if self.first else {}) | alarms
+        turned = {"turned_away": dict(self.turned)} if self.turned else {}
+        return values | rejected | ({"first": dict(self.first)} if self.first else {}) | alarms | turned
 
     @classmethod
     def from_plain(cls, values: Mapping[str, Any]) -> "Summary":
@@ -170,6 +172,7 @@ class Summary(NamedTuple):
             first=_texts(values, "first"),
             degraded=_count(values, "degraded"),
             alarms=_counts(values, "alarms"),
+            turned=_counts(values, "turned_away"),
         )
 
 

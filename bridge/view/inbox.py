@@ -12,6 +12,7 @@ import zenoh
 from bridge.recording.reader import Entry
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.codec import decode
+from bridge.wire.limits import MESSAGE
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, flat_size
 
 # not the loop's own, which go out at once, at a price; further channels are chosen to be looked at
@@ -31,6 +32,8 @@ class Inbox:
     def take(self) -> list[Entry]:
         """All that waits and is a message; a profile never without the state of its tick, unless that came before."""
         entries = [entry for topic, ring in self._rings.items() for entry in self._drain(topic, ring)]
+        if len(self._next) > MOST:
+            self._next.clear()  # somebody invents runs
         for entry in entries:
             key = entry.topic, run_of(entry)
             self.left_out += max(0, entry.sequence - self._next.get(key, entry.sequence))
@@ -41,7 +44,7 @@ class Inbox:
         entries = []
         while (sample := ring.try_recv()) is not None:
             stamp = stamp_of(sample)
-            if stamp is not None:
+            if stamp is not None and len(sample.payload) <= MESSAGE:
                 entries.append(Entry(topic, *stamp, sample.payload.to_bytes()))
         return [entry for entry in entries if _sound(entry)]
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from enum import StrEnum
 from typing import Any, NamedTuple
 
-from bridge.wire.limits import PEERS, QUERY, guarding
+from bridge.wire.limits import PEERS, guarding
 from bridge.wire.messages import TOPICS
 
 JOINS = "declare_subscriber", "liveliness_query", "declare_liveliness_subscriber"  # to watch
@@ -94,7 +94,7 @@ def listener(identity: Identity, rigs: Iterable[str]) -> dict[str, Any]:
             "auth": {"usrpwd": {"dictionary_file": USERS}},
         },
         "access_control": access_control(rigs),
-        "low_pass_filter": guarding(keys, QUERY),
+        "low_pass_filter": guarding(keys),
     }
 
 

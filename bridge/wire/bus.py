@@ -15,6 +15,8 @@ import numpy as np
 import zenoh
 
 from bridge.wire.codec import Status, encode, ready
+from bridge.wire.intake import Desk, Door, Turned
+from bridge.wire.limits import FASTEST, RATES, TOKENS, Excess
 from bridge.wire.link import Link, open_session
 from bridge.wire.messages import TOPICS, Outgoing, Phase, Topic, encoding
 
@@ -37,15 +39,25 @@ def stamp_of(sample: Any) -> tuple[int, int] | None:
 class Bus:
     """One process's place on the bus of a rig. Use as a context manager."""
 
-    def __init__(self, link: Link, rig_name: str, role: str, blocking: bool, lease: float | None = None) -> None:
+    def __init__(
+        self,
+        link: Link,
+        rig_name: str,
+        role: str,
+        blocking: bool,
+        lease: float | None = None,
+        turned: Turned | None = None,
+    ) -> None:
         self.rig_name = rig_name
         self.place = f"listening on {link.listen}" if link.listen else f"connected to {link.connect or link.config}"
         self.role = role
-        self.session = open_session(link, lease=lease)
+        self.turned = turned or Turned()  # what arrived and was turned away
+        self.session = open_session(link, lease=lease, only_short=role == "viewer")
         self.present: dict[str, set[str]] = {}
         self.changed = threading.Condition()
         self._publishers: dict[str, Any] = {}
         self._declared: list[Any] = []
+        self._desks: list[Desk] = []
         self._status = 0
         self._blocking = blocking
         self.speak_as(role)
@@ -60,6 +72,8 @@ class Bus:
     def close(self) -> None:
         """Leave the bus."""
         self.session.close()
+        for desk in self._desks:
+            desk.close()
 
     def speak_as(self, role: str) -> None:
         """Publish what a role publishes, too."""
@@ -93,29 +107,30 @@ class Bus:
         publisher.put(encode(status), attachment=STAMP.pack(stamp, self._status))
         self._status += 1
 
-    def subscribe(self, topic: str, receiver: Receiver) -> None:
-        """Call `receiver(sample)` in Zenoh's own thread for each message."""
-        handler = zenoh.handlers.Callback(receiver, indirect=False)
+    def subscribe(self, topic: str, receiver: Receiver, rate: float | None = None) -> None:
+        """Call `receiver(sample)` in Zenoh's own thread for each message that is not too long.
+
+        rate: messages per second that are let in in real time, another one than the table of limits has.
+        """
+        door = Door(topic, self.turned, None if self._blocking else rate or RATES.get(topic, FASTEST))
+
+        def let_in(sample: Any) -> None:
+            if door.admits(len(sample.payload)):
+                receiver(sample)
+
+        handler = zenoh.handlers.Callback(let_in, indirect=False)
         self._declared.append(self.session.declare_subscriber(f"{self.rig_name}/{topic}", handler))
 
     def answer(self, name: str, reply: Callable[[], bytes]) -> None:
         """Answer queries for a name below the rig's."""
-        key = f"{self.rig_name}/{name}"
-
-        def on_query(query: Any) -> None:
-            query.reply(key, reply())
-
-        handler = zenoh.handlers.Callback(on_query, indirect=True)
-        self._declared.append(self.session.declare_queryable(key, handler))
+        self.serve(name, lambda _: reply())
 
     def serve(self, name: str, reply: Callable[[bytes], bytes]) -> None:
         """Answer queries with a payload for a name below the rig's, in a thread that may wait."""
         key = f"{self.rig_name}/{name}"
-
-        def on_query(query: Any) -> None:
-            query.reply(key, reply(b"" if query.payload is None else query.payload.to_bytes()))
-
-        handler = zenoh.handlers.Callback(on_query, indirect=True)
+        desk = Desk(name, self.turned, key, reply)
+        self._desks.append(desk)
+        handler = zenoh.handlers.Callback(desk.take, indirect=False)
         self._declared.append(self.session.declare_queryable(key, handler))
 
     def request(self, name: str, payload: bytes, patience: float) -> bytes | None:
@@ -151,13 +166,20 @@ class Bus:
         def on_token(sample: Any) -> None:
             role, pid = str(sample.key_expr).split("/")[-2:]
             with self.changed:
-                group = self.present.setdefault(role, set())
-                (group.add if sample.kind == zenoh.SampleKind.PUT else group.discard)(pid)
+                self._note_token(role, pid, sample.kind == zenoh.SampleKind.PUT)
                 self.changed.notify_all()
 
         handler = zenoh.handlers.Callback(on_token, indirect=False)
         key = f"{self.rig_name}/alive/**"
         self._declared.append(self.session.liveliness().declare_subscriber(key, handler, history=True))
+
+    def _note_token(self, role: str, pid: str, alive: bool) -> None:
+        if not alive:
+            self.present.get(role, set()).discard(pid)
+        elif sum(map(len, self.present.values())) < TOKENS:
+            self.present.setdefault(role, set()).add(pid)
+        else:
+            self.turned.add("sign of life", Excess.WAITING)
 
     def await_roles(self, roles: Iterable[str], patience: float, stopped: Callable[[], bool]) -> list[str]:
         """Wait until each role is present; returns those still missing."""

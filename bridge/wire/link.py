@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.errors import RunError
-from bridge.wire.limits import MESSAGE
+from bridge.wire.limits import FRAME, PEERS, guarding
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 LOOPBACK = ((socket.AF_INET, "127.0.0.1", "127.0.0.1"), (socket.AF_INET6, "::1", "[::1]"))
@@ -43,10 +43,11 @@ class Link(NamedTuple):
     patience: float  # seconds to wait for the other side to appear
 
 
-def open_session(link: Link, mode: str | None = None, lease: float | None = None) -> Any:
+def open_session(link: Link, mode: str | None = None, lease: float | None = None, only_short: bool = False) -> Any:
     """A Zenoh session: peer where it listens, else client, unless `mode` is given.
 
     lease: after so many seconds of silence the others give this one up; Zenoh's own is 10 s.
+    only_short: Zenoh itself drops messages that are too long, for whoever does not look at each as it comes.
 
     Raises LinkError when the address is taken, nobody answers, or the configuration is wrong.
     """
@@ -54,6 +55,8 @@ def open_session(link: Link, mode: str | None = None, lease: float | None = None
 
     try:
         config = _configuration(link, mode)
+        if only_short:
+            config.insert_json5("low_pass_filter", json.dumps(guarding(["**"])))
         if lease is not None:
             config.insert_json5("transport/link/tx/lease", str(round(lease * 1000)))
         return zenoh.open(config)
@@ -66,6 +69,13 @@ def names_addresses(file: Path) -> bool:
     import zenoh
 
     return _base(file).get_json("listen/endpoints") != zenoh.Config().get_json("listen/endpoints")
+
+
+def is_guarded(file: Path) -> bool:
+    """Does a configuration file ask those who connect for a password, or look at what they may do?"""
+    config = _base(file)
+    named = json.loads(config.get_json("transport/auth/usrpwd/dictionary_file"))
+    return bool(named) or json.loads(config.get_json("access_control/enabled"))
 
 
 def free_endpoint() -> str:
@@ -105,7 +115,10 @@ def _base(file: Path | None) -> Any:
         raise LinkError(f"{file}: {_reason(error)}") from None
     if file:
         _find_beside(file, config)
-    config.insert_json5("transport/link/rx/max_message_size", str(MESSAGE))
+    config.insert_json5("transport/link/rx/max_message_size", str(FRAME))
+    for name, value in PEERS._asdict().items():
+        if config.get_json(key := f"transport/unicast/{name}") == zenoh.Config().get_json(key):
+            config.insert_json5(key, str(value))
     config.insert_json5("scouting/multicast/enabled", "false")
     if file is None or not os.access("/dev/shm", os.W_OK):  # our messages are too small for it, and it may be missing
         config.insert_json5("transport/shared_memory/enabled", "false")

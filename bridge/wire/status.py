@@ -8,6 +8,7 @@ from bridge.wire.messages import Phase
 from twin.topology import PRESSURES
 
 REFUSED, PUBLISHED, FAULTED = "refused/", "published/", "faulted/"  # a count per reason, topic, word
+TURNED = "turned away/"  # a count per kind of message and reason: what did not come in at all
 
 
 class Reading(NamedTuple):
@@ -59,13 +60,14 @@ class PlantStatus(NamedTuple):
     pace: Pace | None = None  # None without a clock
     published: Mapping[str, int] = {}  # messages per topic, with the last words
     faulted: Mapping[str, int] = {}  # what faults of the link have done, by what
+    turned: Mapping[str, int] = {}  # away at the door, by what and why
 
     def plain(self) -> dict[str, float]:
         """Names and numbers of the message."""
         own = {name: value for name, value in zip(self._fields[:6], self[:6], strict=True) if value is not None}
         reading = self.reading.plain() if self.reading else {}
         pace = self.pace.plain() if self.pace else {}
-        sent = counted(PUBLISHED, self.published) | counted(FAULTED, self.faulted)
+        sent = counted(PUBLISHED, self.published) | counted(FAULTED, self.faulted) | counted(TURNED, self.turned)
         return own | reading | counted(REFUSED, self.refused) | pace | sent
 
     @classmethod
@@ -83,6 +85,7 @@ class PlantStatus(NamedTuple):
             pace=_pace(values),
             published=counts(PUBLISHED, values),
             faulted=counts(FAULTED, values),
+            turned=counts(TURNED, values),
         )
 
 

@@ -14,7 +14,7 @@ import zenoh
 
 from bridge.machine import certificates
 from bridge.wire.access import MEMBERS, Role, rights
-from bridge.wire.limits import QUERY
+from bridge.wire.limits import MESSAGE
 from bridge.wire.link import Link, LinkError, free_endpoint, open_session
 from bridge.wire.messages import TOPICS
 from tests.support.command import hydrotwin_here
@@ -114,7 +114,7 @@ def test_what_may_not_be_asked_gets_no_answer(net):
 
 def test_a_message_that_is_too_long_is_not_passed_on(net):
     with net.join("controller") as session:
-        for sender, length in (("short", QUERY), ("long", QUERY + 1)):
+        for sender, length in (("short", MESSAGE), ("long", MESSAGE + 1)):
             session.put("rig/command", sender.ljust(length), congestion_control=zenoh.CongestionControl.BLOCK)
         wait_for(lambda: ("short", "command") in net.heard, 5.0)
         session.put("rig/command", "later", congestion_control=zenoh.CongestionControl.BLOCK)

@@ -4,6 +4,7 @@ import json
 import os
 import queue
 import sys
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -16,6 +17,7 @@ from bridge.processes.contact import Contact
 from bridge.processes.recorder.run_file import Arrival, Request, RunFile
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.guide import TOKEN
+from bridge.wire.limits import WAITING_BYTES, WAITING_RECORDS
 from bridge.wire.link import Link
 from bridge.wire.messages import TOPICS, Phase
 from controller.grid import NS
@@ -23,7 +25,6 @@ from controller.grid import NS
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
 YIELDING = 5  # niceness: the loop's own processes come first
 PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
-MOST_WAITING = 500_000  # messages, two minutes at 1 kHz and some 250 MB: a disk slower than that costs messages
 SAVE = "recorder/save"  # asked for, it is a trigger
 
 
@@ -49,6 +50,8 @@ class RecorderProcess:
         self._most = 0  # messages that have waited at a time
         self._began = 0.0, 0.0  # seconds of this process's processor time, and of the wall clock
         self._saves = 0  # triggers from outside that are not heeded yet
+        self._came, self._went = 0, 0  # bytes: Zenoh's threads count what comes, ours what is taken
+        self._lock = threading.Lock()
         self._inbox: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         for topic in TOPICS:
             if self.request.follows(topic):
@@ -109,7 +112,9 @@ class RecorderProcess:
         """What the recorder says of itself."""
         worked, took = time.process_time() - self._began[0], time.monotonic() - self._began[1]
         share = worked / took if took > 0.0 else 0.0
-        return {"overflow": dict(self.overflow), "most_waiting": self._most, "processor_share": round(share, 4)}
+        turned = {"turned_away": self.bus.turned.counts()} if self.bus.turned.counts() else {}
+        own = {"overflow": dict(self.overflow), "most_waiting": self._most, "processor_share": round(share, 4)}
+        return own | turned
 
     def _lacking(self, file: RunFile) -> list[str]:
         """What a controller that spoke does not do, by name; ours does it all."""
@@ -128,7 +133,9 @@ class RecorderProcess:
         """In Zenoh's own thread, which must not wait for a disk."""
         waiting = self._inbox.qsize()
         self._most = max(self._most, waiting)
-        if waiting < MOST_WAITING:
+        if waiting < WAITING_RECORDS and self._came - self._went < WAITING_BYTES:
+            with self._lock:
+                self._came += len(sample.payload)
             self._inbox.put((topic, sample))
         else:
             self.overflow[topic] += 1
@@ -163,7 +170,9 @@ class RecorderProcess:
     def _arrived(self) -> Iterator[Arrival]:
         while not self._inbox.empty():
             topic, sample = self._inbox.get()
-            yield Arrival(topic, sample.payload.to_bytes(), stamp_of(sample))
+            payload = sample.payload.to_bytes()
+            self._went += len(payload)
+            yield Arrival(topic, payload, stamp_of(sample))
 
     def _may_begin_another(self, file: RunFile) -> bool:
         """A run is kept to as long as its plant may still be among several."""

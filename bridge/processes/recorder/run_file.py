@@ -21,10 +21,11 @@ from bridge.scenario import Scenario, check
 from bridge.scenario.channels import layout_of
 from bridge.wire.codec import decode
 from bridge.wire.messages import CHANNELS_TOPIC, GOING, SOURCED, TOPICS, EventKind, Mode
-from bridge.wire.status import PUBLISHED, counts, numbers_of
+from bridge.wire.status import PUBLISHED, TURNED, counts, numbers_of
 from controller.grid import NS
 
 AHEAD = NS  # a command may overtake the measurement that it answers, not by more than this [ns]
+MOST_KINDS = 100  # of what was turned away: a status may come from anybody
 ORDERING = ("measurement", "command", "event", "said", "status")  # the recorder follows a run by these, recorded or not
 
 
@@ -67,6 +68,7 @@ class RunFile:
         self.announced: set[str] = set()  # roles that have said how many messages they sent
         self.tally = Tally(from_start=manifest["tick"] == 0)
         self.rejected = 0
+        self.turned: dict[str, int] = {}  # what processes say that they turned away, by process, kind and reason
         self.spoken: set[str] = set()  # topics of a controller that have come
         self.unstamped = 0  # messages of a controller without the stamp that ours attach
         self.mixed: list[str] = []  # what was said of a controller with another scenario, not yet told
@@ -191,10 +193,11 @@ class RunFile:
             return
         self._parts.flush()
         paths = self._parts.paths[-1:] if self._ring is not None else self._parts.paths
+        turned = self.turned | {f"recorder: {what}": n for what, n in facts.get("turned_away", {}).items()}
         summary = summarise(_joined([read(path, NEEDED, growing=True) for path in paths]), self.scenario, self.losses())
         ending = self._ending or ("complete in itself: the run went on" if self._ring is not None else summary.ending)
         writer = self._parts.open()
-        writer.metadata("summary", summary._replace(ending=ending, rejected=self.rejected).plain())
+        writer.metadata("summary", summary._replace(ending=ending, rejected=self.rejected, turned=turned).plain())
         causes = [f"{cause.by} at {cause.time / NS:g} s" for cause in self._triggers.causes]
         facts |= {"triggered": causes} if causes else {}
         self._triggers.causes.clear()
@@ -223,6 +226,9 @@ class RunFile:
         if sent:
             self.announced.add(status.role)
             self.tally.announce({name: n for name, n in sent.items() if self.request.wants(name) or name in ORDERING})
+        if status.role in ("plant", "controller") and len(self.turned) < MOST_KINDS:
+            turned = counts(TURNED, numbers_of(status))
+            self.turned |= {f"{status.role}: {what}": number for what, number in turned.items()}
         if status.role == "plant" and status.phase not in GOING:
             self.ended_at = time.monotonic()
 
