@@ -12,7 +12,6 @@ import zenoh
 from bridge.recording.reader import Entry
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.codec import decode
-from bridge.wire.limits import MESSAGE
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, flat_size
 
 # not the loop's own, which go out at once, at a price; further channels are chosen to be looked at
@@ -44,7 +43,7 @@ class Inbox:
         entries = []
         while (sample := ring.try_recv()) is not None:
             stamp = stamp_of(sample)
-            if stamp is not None and len(sample.payload) <= MESSAGE:
+            if stamp is not None:
                 entries.append(Entry(topic, *stamp, sample.payload.to_bytes()))
         return [entry for entry in entries if _sound(entry)]
 
