@@ -1,6 +1,7 @@
 """Faults of processes: the supervisor of a run suspends, kills, restarts and slows what it has started.
 
-The plant says when, by its events, so a fault may wait for a time, a signal or an event of the run.
+The plant says when one begins, by its events, so a fault may wait for a time, a signal or an event of the run. When it
+ends our clock says: a network that stands lets no word through.
 """
 
 import queue
@@ -18,6 +19,7 @@ from bridge.scenario.faults import PROCESS_OF, PlannedFault, planned
 from bridge.wire.codec import decode
 from bridge.wire.events import turn_of
 from bridge.wire.messages import Mode
+from controller.grid import NS
 
 ROLES = {"controller": "controller", "recorder": "record", "network": "router"}  # of what is started
 TURN = 20e-3  # [s] in which a slowed process stands once
@@ -41,11 +43,13 @@ def refuse_processes(scenario: Scenario, mode: Mode) -> None:
 class Failing:
     """Makes the processes of a run fail."""
 
-    def __init__(self, scenario: Scenario, start: Callable[[str, int], Child]) -> None:
-        """start: starts the process of a role once more, the nth time."""
+    def __init__(self, scenario: Scenario, speed: float, start: Callable[[str, int], Child]) -> None:
+        """speed: simulated over wall time; start: starts the process of a role once more, the nth time."""
+        self._speed = speed
         self._faults = faults_of_processes(scenario)
         self._start = start
-        self._turns: queue.SimpleQueue[tuple[PlannedFault, bool]] = queue.SimpleQueue()
+        self._begun: queue.SimpleQueue[PlannedFault] = queue.SimpleQueue()
+        self._ends: list[tuple[float, PlannedFault]] = []  # [s, monotonic]
         self._slowed: dict[str, threading.Event] = {}
         self._due: list[tuple[float, str]] = []  # restarts: when [s, monotonic], and whose
         self._started: dict[str, int] = {}
@@ -55,33 +59,35 @@ class Failing:
         """Take an event of the plant, in Zenoh's thread."""
         with suppress(ValueError):
             turn = turn_of(decode(sample.payload.to_bytes(), "event"))
-            if turn is not None and turn.name in self._faults:
-                self._turns.put((self._faults[turn.name], turn.begins))
+            if turn is not None and turn.begins and turn.name in self._faults:
+                self._begun.put(self._faults[turn.name])
 
     def act(self, children: list[Child]) -> None:
         """Do what is due to those of the children that are there."""
-        while not self._turns.empty():
-            fault, begins = self._turns.get()
-            role = ROLES[fault.part]
-            for child in [child for child in children if child.role == role and not child.ended()]:
-                self._turn(child, fault, begins)
-        for due, role in list(self._due):
-            if time.monotonic() >= due:
-                self._due.remove((due, role))
-                self._started[role] = self._started.get(role, 0) + 1
-                children.append(self._start(role, self._started[role]))
+        now = time.monotonic()
+        while not self._begun.empty():
+            fault = self._begun.get()
+            self._ends.append((now + fault.lasts / NS / self._speed, fault))
+            self._turn(children, fault, True)
+        for due, fault in [end for end in self._ends if end[0] <= now]:
+            self._ends.remove((due, fault))
+            self._turn(children, fault, False)
+        for due, role in [restart for restart in self._due if restart[0] <= now]:
+            self._due.remove((due, role))
+            self._started[role] = self._started.get(role, 0) + 1
+            children.append(self._start(role, self._started[role]))
 
     def release(self) -> None:
         """Let all that stand go on: the run ends."""
         for event in self._slowed.values():
             event.set()
 
-    @property
-    def waits(self) -> bool:
-        """Is a process going to be started again?"""
-        return bool(self._due)
+    def _turn(self, children: list[Child], fault: PlannedFault, begins: bool) -> None:
+        for child in children:
+            if child.role == ROLES[fault.part] and not child.ended():
+                self._fail(child, fault, begins)
 
-    def _turn(self, child: Child, fault: PlannedFault, begins: bool) -> None:
+    def _fail(self, child: Child, fault: PlannedFault, begins: bool) -> None:
         if fault.kind == "freeze":
             child.process.send_signal(signal.SIGSTOP if begins else signal.SIGCONT)
         elif fault.kind == "slow":

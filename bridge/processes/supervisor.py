@@ -78,7 +78,7 @@ class Supervisor:
 
     def _start(self, folder: Path, endpoint: str, environment: Mapping[str, str]) -> None:
         starter = Starter(self.scenario, self.options, folder, endpoint, environment)
-        self._failing = Failing(self.scenario, starter.start)
+        self._failing = Failing(self.scenario, self.options.speed, starter.start)
         self.children += starter.all()
         if self.options.mode == Mode.LOCKSTEP:
             self._share_a_processor()
