@@ -1,9 +1,11 @@
 """The whole suite: `python -m tests.suite`, with further options for pytest.
 
-First what the tests share is compiled, once. Then most tests run in WORKERS processes side by side; those that are
-marked `timed`, because the clock judges them, follow one after another with the machine for themselves.
+First what the tests share is compiled, once, and Python's sources with it: the tests start some 400 processes. Then
+most tests run in WORKERS processes side by side; those that are marked `timed`, because the clock judges them, follow
+one after another with the machine for themselves.
 """
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +16,7 @@ WORKERS = 3  # on two processors: tests of real processes wait most of their tim
 PYTEST = ("-m", "pytest", "-q", "--durations=15")
 MARKED = "timed and not endurance"
 TESTS = Path(__file__).parent
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 NOTHING_CHOSEN = 5  # pytest's exit code
 OTHERS = "not timed and not endurance"
 
@@ -35,13 +38,15 @@ def files_with(words: str) -> list[str]:
 
 def compile_once() -> None:
     """What does not compile is for the tests to report."""
-    for process in [subprocess.Popen([sys.executable, "-m", "tests.support.warm", part]) for part in PARTS]:
+    for process in [
+        subprocess.Popen([sys.executable, "-m", "tests.support.warm", part], env=ENVIRONMENT) for part in PARTS
+    ]:
         process.wait()
 
 
 def run(*arguments: str) -> int:
     """Its exit code, 1 where it was killed."""
-    code = subprocess.run([sys.executable, *arguments]).returncode
+    code = subprocess.run([sys.executable, *arguments], env=ENVIRONMENT).returncode
     return code if code >= 0 else 1
 
 

@@ -109,7 +109,7 @@ class _Kernel:
         """numba's function."""
         from twin.compiler import compiled_function
 
-        return self.py_func if INTERPRETED else compiled_function(self.py_func, FOLDER, self.options)
+        return compiled_function(self.py_func, FOLDER, self.options)
 
     @cached_property
     def _numba_type_(self) -> Any:
@@ -130,6 +130,8 @@ def inlined(function: F) -> F:
     in the innermost loop that has few callers is better copied into them. It is compiled once for its types and kept on
     disk, so another combination of kinds compiles those functions only that see what has changed.
     """
+    if INTERPRETED:
+        return _plain(function)
     return _Inlined(function, LEAN)  # pyright: ignore[reportReturnType]
 
 
@@ -176,6 +178,8 @@ class ByType(Generic[P, R]):
         return interpreted(self._variant(arguments[0]))(*arguments)
 
     def _variant(self, first: Any) -> Callable[..., R]:
+        if variant := self._variants.get(type(first)):
+            return variant
         for kind, variant in self._variants.items():
             if isinstance(first, kind) or _names(first) == field_names(kind):
                 return variant
@@ -237,4 +241,10 @@ def allocating_kernel(function: F) -> F:
 
 
 def _compiled(function: F, **options: Any) -> F:
-    return _Kernel(function, options)  # pyright: ignore[reportReturnType]
+    return _plain(function) if INTERPRETED else _Kernel(function, options)  # pyright: ignore[reportReturnType]
+
+
+def _plain(function: F) -> F:
+    """The function itself, which is its own source."""
+    vars(function)["py_func"] = function
+    return function

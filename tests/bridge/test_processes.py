@@ -17,6 +17,7 @@ from bridge.wire.codec import ValveCommand, decode, encode
 from bridge.wire.link import Link, free_endpoint
 from tests.support.processes import (
     COARSE,
+    IMPATIENT,
     LOOSE,
     UNDRAWN,
     child,
@@ -45,7 +46,8 @@ def events(path: Path, kind: str) -> list:
 def test_a_stopped_controller_in_real_time_leads_to_the_safe_state(path):
     """Within the timeout and one tick of simulated time, said in the recording; the run ends and names the silent."""
     timeout = ("--set", "loop.command_timeout=0.2")
-    with started("run", "square", "--duration", "3", *timeout, *LOOSE, "--record", str(path)) as run:
+    words = ("run", "square", "--duration", "3", *timeout, *LOOSE, "--record", str(path))
+    with started(*words, program=IMPATIENT) as run:
         controller = child(run.pid, "controller")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)
@@ -65,7 +67,8 @@ def test_a_stopped_controller_in_real_time_leads_to_the_safe_state(path):
 
 def test_a_stopped_controller_in_lockstep_is_named_with_the_tick(path):
     lockstep = ("--mode", "lockstep", "--patience", "2")
-    with started("run", *UNDRAWN, "step", "--duration", "600", *lockstep, "--record", str(path)) as run:
+    words = ("run", *UNDRAWN, "step", "--duration", "600", *lockstep, "--record", str(path))
+    with started(*words, program=IMPATIENT) as run:
         controller = child(run.pid, "controller")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(controller, signal.SIGSTOP)
@@ -127,17 +130,17 @@ def test_ctrl_c_at_any_time_leaves_no_process_and_a_readable_recording(path, mom
 
 @pytest.mark.timed
 def test_a_stalled_recorder_neither_holds_the_plant_nor_loses_a_message(path):
-    """Stopped for two seconds: ticks go on, by far less late than that, and what was sent meanwhile still comes."""
-    with started("run", *UNDRAWN, "square", "--duration", "4", *COARSE, *LOOSE, "--record", str(path)) as run:
+    """Stopped for a second: ticks go on, by far less late than that, and what was sent meanwhile still comes."""
+    with started("run", *UNDRAWN, "square", "--duration", "2.5", *COARSE, *LOOSE, "--record", str(path)) as run:
         recorder = child(run.pid, "record")
         wait_for(lambda: grown(path, RUNNING), 30)
         with_signal(recorder, signal.SIGSTOP)
-        time.sleep(2.0)
+        time.sleep(1.0)
         with_signal(recorder, signal.SIGCONT)
         run.communicate(timeout=60)
     recording = read(path)
-    assert recording.metadata["summary"]["timing"]["lateness"]["max"] < 1.0
-    assert len(recording.columns("measurement")["tick"]) == 401
+    assert recording.metadata["summary"]["timing"]["lateness"]["max"] < 0.5
+    assert len(recording.columns("measurement")["tick"]) == 251
     assert not recording.metadata["summary"]["lost"]
 
 

@@ -174,7 +174,7 @@ def small_disk(tmp_path) -> Iterator[tuple[Path, int | None]]:
 def test_a_full_disk_is_told_what_was_written_stays_and_the_loop_goes_on(small_disk):
     folder, limit = small_disk
     path = folder / "a.mcap"
-    with started("run", *UNDRAWN, "square", "--duration", "4", *LOOSE, "--record", str(path)) as run:
+    with started("run", *UNDRAWN, "square", "--duration", "3", *LOOSE, "--record", str(path)) as run:
         recorder = child(run.pid, "record")
         if limit is not None:
             wait_for(lambda: grown(path, RUNNING), 30)
@@ -225,7 +225,7 @@ def test_a_slow_disk_loses_nothing_and_holds_nobody(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Sink, "_hand_over", slow)
     endpoint, path = free_endpoint(), tmp_path / "slow.mcap"
-    plant = ("plant", "step", *COARSE, *AWAITED)
+    plant = ("plant", "step", *COARSE, *AWAITED, "--set", "duration=1.5")
     with (
         started(*plant, "--listen", endpoint) as first,
         started("controller", "step", *COARSE, "--connect", endpoint),
@@ -233,13 +233,13 @@ def test_a_slow_disk_loses_nothing_and_holds_nobody(tmp_path, monkeypatch):
     ):
         RecorderProcess(bus, path, 20.0, lambda: False, Request()).run()
         output, _ = first.communicate(timeout=30)
-    assert json.loads(output)["tick"] == 300
+    assert json.loads(output)["tick"] == 150
     assert json.loads(output)["worst_overrun"] < 0.5
     found = read(path)
-    assert found.counts["state"] == found.counts["measurement"] == 301
+    assert found.counts["state"] == found.counts["measurement"] == 151
     assert not found.metadata["summary"]["lost"]
     assert found.metadata["recorder"]["longest_flush"] > 0.5
-    assert found.metadata["recorder"]["most_waiting"] > 100
+    assert found.metadata["recorder"]["most_waiting"] > 50
 
 
 def assert_whole(recording: Recording) -> None:

@@ -122,7 +122,6 @@ def test_a_running_plant_is_drawn_to_its_end(tmp_path: Path):
     assert any("ended" in text for text in column(path, "/events", "TextLog:text")[1])
 
 
-@pytest.mark.timed
 @pytest.mark.parametrize(
     "number",
     [signal.SIGSTOP, pytest.param(signal.SIGKILL, marks=(pytest.mark.endurance, pytest.mark.timeout(120)))],

@@ -35,11 +35,18 @@ def hydrotwin(*arguments: str, cwd: Path = ROOT, timeout: float = 120.0) -> subp
     )
 
 
+HYDROTWIN = ("-m", "bridge")
+IMPATIENT = (  # a supervisor that gives its processes 2 s instead of 8 s to end
+    "-c",
+    "from bridge.processes import supervisor; supervisor.FAREWELL = 2.0; from bridge.cli import main; main()",
+)
+
+
 @contextmanager
-def started(*arguments: str, cwd: Path = ROOT) -> Iterator[subprocess.Popen[str]]:
+def started(*arguments: str, cwd: Path = ROOT, program: tuple[str, ...] = HYDROTWIN) -> Iterator[subprocess.Popen[str]]:
     """The command in the background, in a group of its own that is ended in the end."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "bridge", *arguments],
+        [sys.executable, *program, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

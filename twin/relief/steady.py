@@ -48,6 +48,8 @@ def pilot_lift(pressure: float, valve: Relief) -> float:
         return high
     for _ in range(HALVINGS):
         lift = 0.5 * (low + high)
+        if not low < lift < high:
+            return lift  # as all further halvings
         if pilot_surplus(pressure, lift, valve) > 0.0:
             low = lift
         else:
@@ -71,6 +73,8 @@ def spool_lift(pressure: float, p2: float, main: MainStage) -> float:
         return high
     for _ in range(HALVINGS):
         lift = 0.5 * (low + high)
+        if not low < lift < high:
+            return lift
         if spool_surplus(pressure, p2, lift, main) > 0.0:
             low = lift
         else:
