@@ -148,7 +148,7 @@ class Supervisor:
         now = time.monotonic()
         self._failing.act(self.children)
         self._note_faults()
-        if all(child.ended() for child in self.children):
+        if all(child.ended() for child in self._who_end()):
             return True
         if self._asked_to_stop is not None:
             return self._too_slow(now - self._asked_to_stop)
@@ -166,6 +166,10 @@ class Supervisor:
                 self._noted.append(child)
                 self.faults.append(fault)
 
+    def _who_end(self) -> list[Child]:
+        """Those that end with the run by themselves; a router goes on until it is ended."""
+        return [child for child in self.children if child.role != "router"]
+
     def _ask_to_stop(self, now: float) -> bool:
         """Let the plant end the run, so that the recording closes well; True when it has not begun one yet."""
         self._asked_to_stop = now
@@ -177,7 +181,7 @@ class Supervisor:
 
     def _too_slow(self, waited: float) -> bool:
         """End those that had their time to finish, and name them; True when nobody is left to wait for."""
-        for child in self.children:
+        for child in self._who_end():
             patience = self._patience(child.role)
             if waited > patience and not child.ended():
                 self.faults.append(f"the {child.role} (pid {child.process.pid}) {SLOW} {patience:g} s and was killed")
