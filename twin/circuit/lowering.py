@@ -9,15 +9,16 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from twin.accessory import Necks, between, resting_neck
-from twin.actuator import areas
 from twin.check_valve import cracking_drop
+from twin.circuit.chambers import balance, pair_at
 from twin.circuit.equilibrium import line_drop, relieved_at
 from twin.circuit.step import Circuit
 from twin.counterbalance import Counterbalance
 from twin.directional_valve import land_orifice, lands_at
+from twin.environment import Environment
 from twin.fitting import fitting_resistance
 from twin.kernel import interpreted
-from twin.load_at_rest import moved_weight
+from twin.load_at_rest import moved_weight, surroundings
 from twin.neck import steady_flow
 from twin.orifice import resistance
 from twin.pilot_check import PilotCheck
@@ -25,6 +26,7 @@ from twin.return_end import steady_end
 from twin.supply import steady_supply
 
 HIGHEST = 1e9  # [Pa]
+SLOWEST, LEAST = 1e-7, 1e-10  # [m/s], of what moves; [m^3/s], less passes a shut valve
 
 
 class Lowering(NamedTuple):
@@ -64,16 +66,22 @@ def lowering(circuit: Circuit, position: float, spool: float) -> Lowering:
         raise ValueError(f"spool {spool:g} empties a chamber without a valve that holds it: see {held}.kind")
 
     def excess(speed: float) -> float:
-        return _excess(_at(speed, held, position, spool, circuit), circuit)
+        at = _at(speed, held, position, spool, circuit)
+        return _passed(at, circuit) - at.q_held
 
-    if excess(1e-7) <= 0.0:
+    slow = _at(SLOWEST, held, position, spool, circuit)
+    if _passed(slow, circuit) <= max(LEAST, slow.q_held):
         raise ValueError(f"no motion at spool {spool:g}: the valve in {held} stays shut; take a lower setting")
     fast = 1e-3
     while excess(fast) > 0.0:
         fast *= 2.0
-    found = _at(_root(excess, 0.5 * fast if fast > 1e-3 else 1e-7, fast), held, position, spool, circuit)
+    found = _at(_root(excess, 0.5 * fast if fast > 1e-3 else SLOWEST, fast), held, position, spool, circuit)
     if min(found.p_held, found.p_driven, found.p_b) <= circuit.parts.oil.vapour_pressure:
         raise ValueError(f"oil would cavitate at spool {spool:g}: the pump does not follow; take a smaller opening")
+    if found.q_held <= LEAST:
+        raise ValueError(f"leaks alone lower the load at spool {spool:g}: the valve in {held} stays shut")
+    if found.tee >= HIGHEST:
+        raise ValueError(f"the pump has no way but into the chamber at spool {spool:g}: fit a relief valve")
     return found
 
 
@@ -83,27 +91,25 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     return root_scalar(function, bracket=(low, high), xtol=1e-15, rtol=1e-13).root
 
 
-def _excess(at: Lowering, circuit: Circuit) -> float:
-    """What the valve would pass more than the motion brings [m^3/s]."""
+def _passed(at: Lowering, circuit: Circuit) -> float:
+    """What the valve passes at rest under these pressures [m^3/s]."""
     neck = resting_neck(
         getattr(between(circuit.parts.necks), at.held), at.p_line, at.p_held, at.p_pilot, circuit.parts.oil
     )
-    return -steady_flow(at.p_line - at.p_held, neck) - at.q_held
+    return -steady_flow(at.p_line - at.p_held, neck)
 
 
 def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit) -> Lowering:
     """Pressures at a speed, whatever the valve would pass; oil expands and is compressed on its way."""
     parts, lower = circuit.parts, held == "accessory_a"
-    b = parts.oil.bulk_modulus
-    a_held, a_driven = interpreted(areas)(parts.cylinder, position)[:: 1 if lower else -1]
+    pair = pair_at(parts.cylinder, position, lower)
+    force = (1.0 if lower else -1.0) * moved_weight(parts.load, position) - _drag(speed, surroundings(parts.load))
     lands, orifice = interpreted(lands_at)(parts.valve, spool), land_orifice(parts.valve)
     to_driven, to_tank = (lands.p_b, lands.a_t) if lower else (lands.p_a, lands.b_t)
-    driven = _way_in(a_driven * speed, to_driven, lower, circuit)
+    way = _way_in(pair.driven.area * speed, to_driven, lower, circuit)
     for _ in range(2):
-        driven = _way_in(a_driven * speed * (1.0 + driven.p_driven / b), to_driven, lower, circuit)
-    weight = moved_weight(parts.load, position)
-    p_held = ((weight if lower else -weight) + a_driven * driven.p_driven) / a_held
-    q_held = a_held * speed * (1.0 + p_held / b)
+        way = _way_in(balance(pair, force, way.p_driven, speed).q_driven, to_driven, lower, circuit)
+    p_held, q_held, q_driven = balance(pair, force, way.p_driven, speed)
     p_t = line_drop(4, q_held, circuit) + line_drop(5, q_held, circuit) + steady_end(parts.return_end, q_held, 0.0)
     p_a = p_t + _edge(q_held, *resistance(to_tank, orifice, parts.oil))
     return Lowering(
@@ -116,8 +122,8 @@ def _at(speed: float, held: str, position: float, spool: float, circuit: Circuit
         p_a=p_a,
         p_t=p_t,
         q_held=q_held,
-        q_driven=a_driven * speed * (1.0 + driven.p_driven / b),
-        **driven._asdict(),
+        q_driven=q_driven,
+        **way._asdict(),
     )
 
 
@@ -142,12 +148,20 @@ def _way_in(q: float, land: float, lower: bool, circuit: Circuit) -> _WayIn:
     return _WayIn(tee, p_p, p_b, p_pilot, p_pilot - drop_into(q, "accessory_b" if lower else "accessory_a", circuit))
 
 
+def _drag(speed: float, around: Environment) -> float:
+    """Force [N] of the dampers around a load against its motion."""
+    return (around.viscous + around.quadratic * speed) * speed
+
+
 def _edge(q: float, a: float, b: float) -> float:
     return (a * abs(q) + b) * q
 
 
 def _tee(q: float, circuit: Circuit) -> float:
-    """Pressure [Pa] at the tee where the pump delivers a flow [m^3/s] beyond the relief valve's; falls with it."""
+    """Pressure [Pa] at the tee where the pump delivers a flow [m^3/s] beyond the relief valve's; falls with it.
+
+    Beyond -HIGHEST where no pressure draws so much from the pump, beyond HIGHEST where none stops it.
+    """
 
     def excess(tee: float) -> float:
         relieved = relieved_at(tee, circuit)[0]
@@ -159,13 +173,15 @@ def _tee(q: float, circuit: Circuit) -> float:
         low *= 2.0
     while excess(high) > 0.0 and high < HIGHEST:
         high *= 2.0
-    return _root(excess, low, high)
+    if excess(low) < 0.0:
+        return low
+    return high if excess(high) > 0.0 else _root(excess, low, high)
 
 
 def drop_into(q: float, port: str, circuit: Circuit) -> float:
     """Drop [Pa] of the accessory on the way into the driven chamber."""
     neck = resting_neck(getattr(between(circuit.parts.necks), port), 0.0, 0.0, 0.0, circuit.parts.oil)
-    if neck.into.a_beside == 0.0 == neck.into.b_beside:
+    if q <= 0.0 or neck.into.a_beside == 0.0 == neck.into.b_beside:
         return 0.0
     high = 1e5
     while steady_flow(high, neck) < q:

@@ -1,15 +1,18 @@
-"""Linear theory of a load that a counterbalance valve lowers: does it swing, how fast, and from which pilot ratio on?
+"""Linear theory of a load that a counterbalance valve lowers: does it swing, and how fast?
 
 In Laplace's s, small changes about a `lowering`; W the speed towards the held chamber h, d the driven one, Q out of h:
 
-    (m s + c) W = A_d P_d - A_h P_h
-    (C_h s - A_h w/B) P_h = A_h (1 + p_h/B) W - Q           Q = k_x X + k_p (P_h - P_line) = Y_line(s) P_line
-    (C_d s + A_d w/B) P_d = -A_d (1 + p_d/B) W + (P_pilot - P_d)/R            (P_pilot - P_d)/R = -Y_pilot(s) P_pilot
+    (m s + c + k/s) W = A_d P_d - A_h P_h
+    (V_h s - A_h w) c_h' P_h = A_h c_h W - Q - g (P_h - P_d) - g_h P_h
+    (V_d s + A_d w) c_d' P_d = -A_d c_d W + (P_pilot - P_d)/R + g (P_h - P_d) - g_d P_d
+    Q = k_x X + k_p (P_h - P_line) = Y_line(s) P_line                         (P_pilot - P_d)/R = -Y_pilot(s) P_pilot
     (m_v s^2 + d_v s + k_v) X = A_v (P_h + r P_pilot/(1 + T s) - w_v P_line)  or a lag; X = 0 at a stop
 
-Y are the admittances of both lines from the cylinder's ends on, exact or as their model has them: with the lands of the
-directional valve behind them, the return lines to the tank, and the supply with pump and relief valve. Friction of the
-seals is left out, cushions too. Cf. Merritt, Hydraulic Control Systems, 1967, ch. 6 and 8, for the elements.
+c_h, c_d and g as in `chambers.py`, c' the slope of c by the pressure. Y are the admittances of both lines from the
+cylinder's ends on, exact or as their model has them: with the lands of the directional valve behind them, the return
+lines to the tank, and the supply with pump and relief valve. Friction of the seals is left out, cushions and
+accumulators too; a link counts as rigid, and a lever's mass as that of its place.
+Cf. Merritt, Hydraulic Control Systems, 1967, ch. 6 and 8, for the elements.
 """
 
 import math
@@ -20,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.accessory import between
-from twin.actuator import areas, volumes
+from twin.circuit.chambers import pair_at
 from twin.circuit.lowering import Lowering, drop_into
 from twin.circuit.step import Circuit
 from twin.counterbalance import Counterbalance, opening_force
@@ -31,7 +34,8 @@ from twin.lines.bank import LUMPED, VOLUME
 from twin.lines.bank import steady_slope as line_slope
 from twin.lines.spec import LOSSES
 from twin.lines.theory import losses
-from twin.load_at_rest import rigid_mass, surroundings
+from twin.load_at_rest import moved_weight, rigid_mass, surroundings
+from twin.load_slot import AnyLoad
 from twin.minor_losses import loss_at_end
 from twin.orifice import flow_slopes, resistance
 from twin.relief.pilot_theory import roots
@@ -45,7 +49,7 @@ OPEN_END = 1e3  # [m^3/(s Pa)], admittance of the tank
 SPANS = ((0.5, 30.0, 0.5), (30.0, 300.0, 3.0), (300.0, 2000.0, 10.0))  # [Hz], from, to, spacing
 STARTS = 2.0 * math.pi * np.concatenate([np.arange(*span) for span in SPANS])  # [rad/s], of the search
 HIGHEST = 2.0 * math.pi * 2000.0  # [rad/s], of the oscillations looked for
-RATIOS = (0.0, 30.0)  # of the pilot, between which an edge is looked for
+SMALL = 1e-6  # [m], for the slope of a load's force by its place
 
 
 class Swing(NamedTuple):
@@ -143,23 +147,28 @@ def _supply(s: Array, at: Lowering, rig: Mapping[str, Any], circuit: Circuit) ->
 def _matrices(s: Array, at: Lowering, rig: Mapping[str, Any], circuit: Circuit, viscous: float) -> Array:
     """The equations of (W, P_h, P_d, X, P_line, P_pilot), at each s, each row to its own size."""
     parts, slopes, seen = circuit.parts, about(at, circuit), _seen(s, at, rig, circuit)
-    valve, cylinder, b = getattr(between(parts.necks), at.held), parts.cylinder, parts.oil.bulk_modulus
-    order = 1 if at.held == "accessory_a" else -1
-    a_h, a_d = interpreted(areas)(cylinder, at.position)[::order]
-    v_h, v_d = interpreted(volumes)(cylinder, at.position)[::order]
+    valve = getattr(between(parts.necks), at.held)
+    h, d, leak = pair_at(parts.cylinder, at.position, at.held == "accessory_a")
     m = np.zeros((len(s), 6, 6), complex)
-    around = surroundings(parts.load)
-    m[:, 0, 0] = rigid_mass(parts.load, at.position) * s + viscous + around.viscous + around.stiffness / s
-    m[:, 0, 1], m[:, 0, 2] = a_h, -a_d
-    m[:, 1, 0] = -a_h * (1.0 + at.p_held / b)
-    m[:, 1, 1] = (v_h * s - a_h * at.speed) / b + slopes.by_drop
+    m[:, 0, 0] = _load_impedance(s, at, parts.load) + viscous
+    m[:, 0, 1], m[:, 0, 2] = h.area, -d.area
+    m[:, 1, 0], m[:, 1, 1], m[:, 1, 2] = -h.area * h.filling(at.p_held), h.admittance(s, at.p_held, -at.speed), -leak
+    m[:, 1, 1] += slopes.by_drop + leak
     m[:, 1, 3], m[:, 1, 4] = slopes.by_lift, -slopes.by_drop
-    m[:, 2, 0], m[:, 2, 2] = a_d * (1.0 + at.p_driven / b), (v_d * s + a_d * at.speed) / b
-    m[:, 2, 5] = seen.pilot
+    m[:, 2, 0], m[:, 2, 2] = d.area * d.filling(at.p_driven), d.admittance(s, at.p_driven, at.speed) + leak
+    m[:, 2, 1], m[:, 2, 5] = -leak, seen.pilot
     m[:, 3] = _valve_row(s, valve, slopes, parts.step)
     m[:, 4, 1], m[:, 4, 3], m[:, 4, 4] = slopes.by_drop, slopes.by_lift, -slopes.by_drop - seen.line
     m[:, 5, 2], m[:, 5, 5] = -1.0, 1.0 + _slope_into(at, circuit) * seen.pilot
     return m
+
+
+def _load_impedance(s: Array, at: Lowering, load: AnyLoad) -> Array:
+    """Force over speed [N s/m] at the steady speed: mass, dampers, and how the force changes with the place."""
+    around = surroundings(load)
+    above, below = (moved_weight(load, at.position + way) for way in (SMALL, -SMALL))
+    stiffness, damping = (above - below) / (2.0 * SMALL), around.viscous + 2.0 * around.quadratic * at.speed
+    return rigid_mass(load, at.position) * s + damping + stiffness / s
 
 
 def _valve_row(s: Array, valve: Counterbalance, slopes: Valve, step: float) -> Array:
