@@ -68,6 +68,22 @@ def test_sink_balance_is_zero_at_the_speed_of_the_leak():
     assert sink_balance(TIME, sinking, C) == pytest.approx(0.0, abs=3e-6)
 
 
+def test_balances_know_leaks_to_the_outside_and_oil_that_passes_a_motor():
+    """20 bar over 2e12 Pa s/m^3 are 60 ml/min; 50 cm^3 a turn at 1 m are 8 mm^2, and no volume widens there."""
+    drained, lost = circuit(cylinder=TIGHT | {"outside_lower": 2e12}), 60e-6 / 60.0
+    p = columns(p_lower=20 * BAR)
+    b = drained.parts.oil.bulk_modulus
+    assert speed_balance(TIME, p, drained) == pytest.approx(lost / AREA, rel=1e-12)
+    assert sink_balance(TIME, p, drained) == pytest.approx(lost / AREA / (1.0 + 20 * BAR / b), rel=1e-12)
+    motor = circuit(actuator={"kind": "motor"}, motor={"leakage_resistance": math.inf, "case_resistance": 2e12})
+    assert sink_balance(TIME, p, motor) == pytest.approx(lost / (50e-6 / (2.0 * math.pi)), rel=1e-12)
+
+
+def test_a_shaft_without_stops_meets_none():
+    path = columns(position=np.minimum(0.27, 0.10 + 2.0 * TIME))
+    assert math.isnan(moments(TIME, path, circuit(actuator={"kind": "motor"}))["impact"])
+
+
 def test_every_balance_has_a_unit():
     assert set(BALANCES) == set(BALANCE_UNITS)
 

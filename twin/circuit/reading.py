@@ -8,8 +8,9 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.actuator import moduli
+from twin.actuator import moduli, outside, widening
 from twin.circuit.step import Circuit
+from twin.contact import Stops
 from twin.environment import Environment
 from twin.kernel import interpreted
 from twin.load import Load
@@ -41,16 +42,21 @@ def _around(columns: Columns, around: Environment) -> Array:
 
 def speed_balance(_: Array, columns: Columns, circuit: Circuit) -> Array:
     """v - (Q_pump - Q_relief - leak)/A_l [m/s]: the piston rises as the pump at its pressure gives."""
-    cylinder = circuit.parts.cylinder
-    leak = cylinder.leakage * (columns["p_lower"] - columns["p_upper"])
-    return columns["velocity"] - (columns["flow_pump"] - columns["flow_relief"] - leak) / cylinder.area_lower
+    given = columns["flow_pump"] - columns["flow_relief"] - _leak(columns, circuit)
+    return columns["velocity"] - given / circuit.parts.cylinder.area_lower
 
 
 def sink_balance(_: Array, columns: Columns, circuit: Circuit) -> Array:
-    """v + leak/(A_l (1 + p_l/B)) [m/s]: a shut-in load sinks as the leak across the piston lets it."""
+    """v + leak/(A_l (1 + p_l/B)) [m/s]: a shut-in load sinks as the leaks let it; without p_l/B for a motor."""
     cylinder, modulus = circuit.parts.cylinder, interpreted(moduli)(circuit.parts.cylinder).lower
-    leak = cylinder.leakage * (columns["p_lower"] - columns["p_upper"])
-    return columns["velocity"] + leak / (cylinder.area_lower * (1.0 + columns["p_lower"] / modulus))
+    swept = cylinder.area_lower * (1.0 + interpreted(widening)(cylinder) * columns["p_lower"] / modulus)
+    return columns["velocity"] + _leak(columns, circuit) / swept
+
+
+def _leak(columns: Columns, circuit: Circuit) -> Array:
+    """What the lower chamber loses across the piston and to the outside [m^3/s]."""
+    cylinder, p = circuit.parts.cylinder, columns["p_lower"]
+    return cylinder.leakage * (p - columns["p_upper"]) + interpreted(outside)(cylinder).lower * p
 
 
 BALANCES: dict[str, Callable[[Array, Columns, Circuit], Array]] = {
@@ -67,7 +73,8 @@ def moments(time: Array, columns: Columns, circuit: Circuit) -> dict[str, float]
     met = np.zeros(len(position), bool)
     if isinstance(load, Load) and load.added > 0.0:
         met = position >= load.support
-    return {"contact": _onset(time, met), "impact": _onset(time, position >= stroke - REACHED)}
+    ends = isinstance(circuit.parts.stops, Stops)
+    return {"contact": _onset(time, met), "impact": _onset(time, ends & (position >= stroke - REACHED))}
 
 
 def _onset(time: Array, happening: NDArray[np.bool_]) -> float:

@@ -40,11 +40,13 @@ def main() -> None:
 def print_tables(options: argparse.Namespace) -> None:
     """The facts and p2 at rest, before, as the rig stands, and after a fit that is asked for."""
     rigs: dict[str, Rig] = {"before": rig_of(BEFORE), "as it stands": overrides(of_the_rig())}
+    facts = {name: evaluate(rig) for name, rig in rigs.items()}  # a rig that has none is refused before a long fit
     if options.fit:
         values = fitted(options.fit, dict(map(weight, options.weight)), options.seed)
         rigs["fitted"] = overrides(values)
+        facts["fitted"] = evaluate(rigs["fitted"])
         print_choices(values)
-    print_facts({name: evaluate(rig) for name, rig in rigs.items()})
+    print_facts(facts)
     for name, rig in rigs.items():
         print_rest(name, rig)
 
