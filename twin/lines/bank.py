@@ -26,6 +26,7 @@ from twin.lines.friction import turbulence, turbulence_slope
 from twin.lines.spec import LOSSES, MODELS, LineNumbers, LineSpec, derive
 from twin.lines.wall import ELEMENTS
 
+MOST_STEPS = 50_000  # in a travel time, assumed: filters of more take minutes to fit, and their memory does not end
 LUMPED, ENDS, NODES, VOLUME = range(len(MODELS))
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -114,7 +115,13 @@ def _checked(i: int, s: LineSpec, step: float) -> LineNumbers:
         return (line := derive(s._replace(friction="none")))._replace(
             inertance=volume.inertance(line, step), travel_time=0.0
         )
-    return derive(s)
+    line = derive(s)
+    if s.model in ("ends", "nodes") and line.travel_time > MOST_STEPS * step:
+        raise ValueError(
+            f"pipe_{i + 1}, {s.length:g} m: travel time {line.travel_time:.3g} s is {line.travel_time / step:.0f} steps, "
+            f"limit {MOST_STEPS}; take a larger loop.step, a shorter pipe or model lumped; a unit may be missing"
+        )
+    return line
 
 
 def _attempt(i: int, s: LineSpec, prepare, *arguments):

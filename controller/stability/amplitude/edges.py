@@ -19,8 +19,8 @@ from controller.stability.amplitude.run import Card, Course, Decide, run_asking,
 from controller.stability.amplitude.swing import LARGEST, Swing, last_third
 
 SECONDS, PERIODS, DELAYS = 20.0, 200.0, 10.0  # of a run, the longest of them
-LONGEST, LEAST = 400.0, 20.0  # but at most so many seconds, or so many periods
-SLOWEST = 20.0  # [s], a sampling period
+LONGEST, LEAST = 100.0, 20.0  # but at most so many seconds, or so many periods
+SLOWEST = 5.0  # [s], a sampling period: LEAST of them are a longest run
 BACK = 0.4  # of a rough edge with one noise, where the search starts with each: theirs may be much lower
 SEEDS = tuple(range(1, 13))  # of the card's noise, whose edges span an interval
 SPREAD = 1.3  # standard deviations of an edge on both sides of the mean
