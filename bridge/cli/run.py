@@ -18,7 +18,7 @@ from bridge.cli.options import (
     seconds,
 )
 from bridge.cli.outputs import own_folder, print_json, write_text
-from bridge.cli.streams import complain
+from bridge.cli.streams import complain, done_when_interrupted
 from bridge.errors import UsageError
 
 if TYPE_CHECKING:
@@ -77,10 +77,11 @@ def run(
     if summary_file == Path("-"):
         print_json(outcome.plain())
         raise typer.Exit(1 if outcome.faults else 0)
-    outcome = shown(outcome)
-    print_summary(outcome)
-    written = write_text(summary_file, json.dumps(outcome.plain(), indent=2))
-    raise typer.Exit(1 if outcome.faults or not written else 0)
+    with done_when_interrupted(lambda: print_summary(outcome)):  # what is known without picture and theory
+        full = shown(outcome)
+    print_summary(full)
+    written = write_text(summary_file, json.dumps(full.plain(), indent=2))
+    raise typer.Exit(1 if full.faults or not written else 0)
 
 
 def default_recording(name: str) -> Path:

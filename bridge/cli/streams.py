@@ -66,14 +66,26 @@ def complain(text: str) -> None:
 def said_when_interrupted(words: Callable[[], str]) -> Iterator[None]:
     """Ctrl-C ends the process at once, as ever, but first says on standard error what can be done next."""
 
-    def tell(*_: object) -> None:
+    def tell() -> None:
         shown = "\x1b[?25h\r\x1b[K" if os.isatty(2) else ""  # the cursor, which a bar hides
-        with suppress(OSError):
-            os.write(2, f"{shown}hydrotwin: {words()}\n".encode())
+        os.write(2, f"{shown}hydrotwin: {words()}\n".encode())
+
+    with done_when_interrupted(tell):
+        yield
+
+
+@contextmanager
+def done_when_interrupted(act: Callable[[], object]) -> Iterator[None]:
+    """Ctrl-C ends the process at once, as ever, but first does something short; a second one does not wait for it."""
+
+    def end(*_: object) -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+        with suppress(OSError):
+            act()
+            sys.stdout.flush()
         os.kill(os.getpid(), signal.SIGINT)
 
-    before = signal.signal(signal.SIGINT, tell)
+    before = signal.signal(signal.SIGINT, end)
     try:
         yield
     finally:

@@ -117,10 +117,9 @@ def _checked(i: int, s: LineSpec, step: float) -> LineNumbers:
         )
     line = derive(s)
     if s.model in ("ends", "nodes") and line.travel_time > MOST_STEPS * step:
-        raise ValueError(
-            f"pipe_{i + 1}, {s.length:g} m: travel time {line.travel_time:.3g} s is {line.travel_time / step:.0f} steps, "
-            f"limit {MOST_STEPS}; take a larger loop.step, a shorter pipe or model lumped; a unit may be missing"
-        )
+        is_steps = f"travel time {line.travel_time:.3g} s is {line.travel_time / step:.0f} steps, limit {MOST_STEPS}"
+        way = "take a larger loop.step, a shorter pipe or model lumped; a unit may be missing"
+        raise ValueError(f"pipe_{i + 1}, {s.length:g} m: {is_steps}; {way}")
     return line
 
 
