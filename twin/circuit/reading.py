@@ -8,9 +8,10 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.actuator import moduli, outside, widening
+from twin.actuator import Actuator, moduli, outside, widening
 from twin.circuit.step import Circuit
 from twin.contact import Stops
+from twin.cylinder import Chambers, HoledCylinder
 from twin.environment import Environment
 from twin.kernel import interpreted
 from twin.load import Load
@@ -56,7 +57,15 @@ def sink_balance(_: Array, columns: Columns, circuit: Circuit) -> Array:
 def _leak(columns: Columns, circuit: Circuit) -> Array:
     """What the lower chamber loses across the piston and to the outside [m^3/s]."""
     cylinder, p = circuit.parts.cylinder, columns["p_lower"]
-    return cylinder.leakage * (p - columns["p_upper"]) + interpreted(outside)(cylinder).lower * p
+    return cylinder.leakage * (p - columns["p_upper"]) + _drained(p, cylinder) * p
+
+
+def _drained(pressure: Array, actuator: Actuator) -> Array | float:
+    """Flow per pressure [m^3/(s Pa)] from the lower chamber to the outside; of a hole it depends on the pressure."""
+    drain = interpreted(outside)
+    if isinstance(actuator, HoledCylinder):
+        return np.array([drain(actuator, Chambers(p, 0.0)).lower for p in pressure.tolist()])
+    return drain(actuator, Chambers(0.0, 0.0)).lower
 
 
 BALANCES: dict[str, Callable[[Array, Columns, Circuit], Array]] = {
