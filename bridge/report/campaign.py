@@ -128,7 +128,7 @@ def _bands(found: Found) -> str:
         seen = f"{text(worst[0]['found'])} in run {worst[1].run.number}" if not worst[0]["passed"] else ""
         rows.append((text(column.id or "-"), text(column.band), text(column.text), f"{kept} of {len(own)}", seen))
     heads = ("requirement", "band", "in words", "kept", "worst")
-    return _section("bands", "Requirements", table(heads, rows, "numbers"))
+    return _section("bands", "Requirements", table(heads, rows, "bands"))
 
 
 def _statistics(found: Found) -> str:

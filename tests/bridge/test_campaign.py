@@ -12,15 +12,17 @@ from scipy.stats import binom, binomtest, kstest, loguniform, norm, uniform
 from bridge.runs.campaign.campaign import Judged, failures_of
 from bridge.runs.campaign.draws import Distribution, draw_of, drawn, value_at
 from bridge.runs.campaign.file import KEYS, Fault, read_campaign
-from bridge.runs.campaign.margins import Margin, MarginRun, margin_axes
+from bridge.runs.campaign.margins import MARGINS, Margin, MarginRun, margin_axes
 from bridge.runs.campaign.matrix import Run, matrix_of, refuse, runs_of
 from bridge.runs.campaign.places import numbers_in, on_grid, replaced
 from bridge.runs.campaign.shrink import HALVINGS, Wish, shrunk, wishes_of
 from bridge.runs.campaign.statistics import quantile, ranks, wilson
 from bridge.scenario import changed, load
+from bridge.scenario.faults import planned
 from bridge.scenario.files import with_piece
 from tests.support.processes import ROOT
 
+TAKEN = {"delay": "8 ms", "jitter": "8 ms", "loss": "8 %"}
 DRAWN = {
     Distribution.UNIFORM: (["2 kg", "8 kg"], uniform(2, 6)),
     Distribution.LOG_UNIFORM: (["2", "800"], loguniform(2, 800)),
@@ -161,7 +163,7 @@ def test_a_margin_ends_at_the_first_value_that_any_seed_breaks():
         MarginRun(place, seed, {"reason": "", "bands": [{"band": "b", "passed": passed}]})
         for (place, seed), passed in kept.items()
     ]
-    found = Margin("s", "delay", axis, runs)
+    found = Margin("s", "delay", axis, runs, {})
     assert (found.kept, found.broken) == (1, "b")
 
 
@@ -189,3 +191,17 @@ def test_the_campaigns_of_the_page_can_be_run(tmp_path: Path, text: str):
 
 def test_the_page_names_every_key():
     assert [key for key in KEYS if f"`{key}" not in PAGE and f", `{key}`" not in PAGE] == []
+
+
+def test_each_disturbance_becomes_a_piece_that_scenarios_take():
+    """Jitter from 0 to 8 ms is 4 +- 4 ms; nothing of a disturbance is no fault at all."""
+    base = load("step").model_dump(mode="json")
+    made = {kind: changed(with_piece(base, row.piece(TAKEN[kind])), [], "step") for kind, row in MARGINS.items()}
+    assert made["delay"].loop.delay == 8e-3
+    (jitter,), (loss,) = planned(made["jitter"]), planned(made["loss"])
+    assert (jitter.target, jitter.word, jitter.sizes["time"], jitter.sizes["spread"]) == (
+        *("link.command", "uniform"),
+        *(4e-3, 4e-3),
+    )
+    assert (loss.kind, loss.sizes["share"], loss.begins) == ("loss", 0.08, (0,))
+    assert MARGINS["jitter"].piece("0 ms") == MARGINS["loss"].piece("0 %") == {}

@@ -39,6 +39,7 @@ at = "100 ms"
 to = "-6000 N"
 [margin]
 delay = "0 ms:20 ms:2"
+loss = ["0 %", "90 %"]
 """
 )
 ONE = ("--workers", "1")
@@ -100,12 +101,12 @@ def test_interrupted_resumed_and_shared_campaigns_write_the_same_bytes(tmp_path:
 
     def stop(self, point, result):
         add(self, point, result)
-        if len(self.found) in (2, 9):
+        if len(self.found) in (2, 12):
             raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
         patched.setattr(Journal, "add", stop)
-        for kept in (2, 9):  # in the runs, then in the search for the smallest fault
+        for kept in (2, 12):  # in the runs, then in the search for the smallest fault
             assert hydrotwin_here(*words, *ONE, "-o", "cut", cwd=tmp_path).returncode == 130
             assert len((tmp_path / "cut/campaign.part").read_text().splitlines()) == 1 + kept
     assert hydrotwin_here(*words, *ONE, "-o", "cut", cwd=tmp_path).returncode == 1

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridge.runs.campaign.made import Plain
-from bridge.runs.campaign.margins import Margin, margins_of
+from bridge.runs.campaign.margins import Margin, margins_of, theory_of
 from bridge.runs.campaign.matrix import Matrix, Run
 from bridge.runs.campaign.picture import pictured
 from bridge.runs.campaign.point import judged
@@ -93,7 +93,9 @@ class Pace(NamedTuple):
 
 
 def worked(point: Point, bases: Mapping[str, Plain], pieces: Mapping[str, Plain], **how: Any) -> Result:
-    """What a worker does with a point: run and judge it, or draw it."""
+    """What a worker does with a point: run and judge it, draw it, or ask the theory."""
+    if "theory" in point:
+        return theory_of(point, bases)
     return pictured(point, bases, pieces) if "picture" in point else judged(point, bases, pieces, **how)
 
 

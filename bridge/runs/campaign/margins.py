@@ -3,14 +3,15 @@
 MARGINS is the one table: each row says how a value of the disturbance becomes a piece of a scenario.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bridge.errors import UsageError
-from bridge.scenario.units import UNITS
+from bridge.scenario.units import UNITS, split
 from bridge.studies.sweep.journal import Point, Result
 
 if TYPE_CHECKING:
+    from bridge.runs.campaign.made import Plain
     from bridge.runs.campaign.matrix import Matrix
     from bridge.runs.sweep.axes import Axis
     from bridge.studies.sweep.engine import Rounds
@@ -46,6 +47,7 @@ class Margin(NamedTuple):
     kind: str  # of MARGINS
     axis: "Axis"
     runs: list[MarginRun]
+    theory: dict[str, float]  # edge of the linear loop by its point, in the unit of the axis; inf: none
 
     @property
     def kept(self) -> int:
@@ -67,7 +69,23 @@ def _delay(text: str) -> dict[str, Any]:
     return {"loop": {"delay": text}}
 
 
-MARGINS = {"delay": MarginKind("delay from sample to action", "s", _delay)}
+def _jitter(text: str) -> dict[str, Any]:
+    """The way of a command takes from 0 to so long, even between them."""
+    number, unit = split(text)
+    half = f"{0.5 * number:.9g} {unit}"
+    way = {"kind": "delay", "law": "uniform", "time": half, "spread": half}
+    return {"fault": [{"target": "link.command", "at": 0.0, **way}]} if number else {}
+
+
+def _loss(text: str) -> dict[str, Any]:
+    return {"fault": [{"target": "link.command", "at": 0.0, "kind": "loss", "share": text}]} if split(text)[0] else {}
+
+
+MARGINS = {
+    "delay": MarginKind("delay from sample to action", "s", _delay),
+    "jitter": MarginKind("longest way of a command, even from 0", "s", _jitter),
+    "loss": MarginKind("share of commands lost", "", _loss),
+}
 
 
 def margin_axes(matrix: "Matrix") -> "list[tuple[str, Axis]]":
@@ -133,7 +151,23 @@ def margins_of(matrix: "Matrix", ask: "Rounds") -> list[Margin]:
         for name, kind, axis in cells
     ]
     results = iter(ask([point for rows in wanted for _, _, point in rows]))
+    edges = ask([{"theory": kind, "scenario": name} for name, kind, _ in cells])
     return [
-        Margin(name, kind, axis, [MarginRun(place, seed, next(results)) for place, seed, _ in rows])
-        for (name, kind, axis), rows in zip(cells, wanted, strict=True)
+        Margin(
+            name,
+            kind,
+            axis,
+            [MarginRun(place, seed, next(results)) for place, seed, _ in rows],
+            {point: edge / UNITS[MARGINS[kind].si_unit][axis.unit].factor for point, edge in found.items()},
+        )
+        for (name, kind, axis), rows, found in zip(cells, wanted, edges, strict=True)
     ]
+
+
+def theory_of(point: Point, bases: "Mapping[str, Plain]") -> Result:
+    """The edges of a scenario's linear loop, SI, by its points; none where the theory knows no such loop."""
+    from bridge.scenario import changed
+    from bridge.studies.stability.link_margins import EDGES, loops_of
+
+    scenario = changed(bases[point["scenario"]], [], point["scenario"])
+    return {loop.point: EDGES[point["theory"]](loop) for loop in loops_of(scenario)}

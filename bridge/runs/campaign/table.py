@@ -1,6 +1,7 @@
 """What a campaign found, as tables: CSV of all runs and of the margins, JUnit XML, JSON, rows for people."""
 
 import csv
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -152,12 +153,22 @@ def quantile_words(found: Quantile, measure: Measure) -> str:
 
 def margin_words(margin: Margin) -> str:
     """How much of a disturbance a scenario tolerates."""
-    texts, kept = margin.axis.texts, margin.kept
+    texts, kept, theory = margin.axis.texts, margin.kept, theory_words(margin)
     words = f"{margin.scenario}, {MARGINS[margin.kind].words}: "
     if kept == len(texts):
-        return f"{words}keeps all bands up to {texts[-1]}"
-    beyond = f"breaks {margin.broken!r} at {texts[kept]}"
+        return f"{words}keeps all bands up to {texts[-1]}{theory}"
+    beyond = f"breaks {margin.broken!r} at {texts[kept]}{theory}"
     return words + (f"keeps all bands up to {texts[kept - 1]}, {beyond}" if kept else beyond)
+
+
+def theory_words(margin: Margin) -> str:
+    """What the linear theory says of it: the least edge of all points."""
+    if not margin.theory:
+        return "; no linear theory"
+    point, least = min(margin.theory.items(), key=lambda item: item[1])
+    if least == math.inf:
+        return "; the linear loop is never unstable"
+    return f"; the linear loop is unstable from {least:.3g} {margin.axis.unit} on (about the point {point!r})"
 
 
 def plain(found: Found) -> dict[str, Any]:
