@@ -14,7 +14,11 @@ from bridge.studies.stability.rig_loop import timing_of
 from bridge.wire.codec import ValveCommand
 
 MS, RUN, OWNER = 1_000_000, 5, 21
-SERVO = ["rig.valve.kind=servo", "daq.noise=0", "daq.quantise_output=false", "loop.delay=0"]
+PLAIN = [
+    "rig.minor_losses.kind=none",
+    "rig.amplifier.kind=none",
+]  # the compiled step of tests/twin/test_servo_circuit.py
+SERVO = ["rig.valve.kind=servo", *PLAIN, "daq.noise=0", "daq.quantise_output=false", "loop.delay=0"]
 
 
 def lapped(up: float, down: float) -> list[str]:

@@ -17,7 +17,8 @@ from twin.circuit.step import Circuit, Piston, Spool
 from twin.rig import values
 
 VALVE = {"kind": "counterbalance", "setting": 66e5, "stiffness": 40e3, "damping": 1500.0, "flow": 1e-3}
-FREE = {"seal": FRICTIONLESS, "pump": SMOOTH, "cylinder": TIGHT, "load": {"mass": 600.0}}
+CUSHION = {"kind": "spear"}  # far away; so the step is that of tests/twin/test_necked_circuit.py
+FREE = {"cushion": CUSHION, "seal": FRICTIONLESS, "pump": SMOOTH, "cylinder": TIGHT, "load": {"mass": 600.0}}
 PUSH, SETTLE, SECONDS, STEP, EVERY = 1e-4, 0.03, 0.2, 50e-6, 10  # [m/s], [s], [s], [s], [steps]
 POSITION, SPOOL = 0.15, -0.3
 

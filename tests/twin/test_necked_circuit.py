@@ -71,9 +71,10 @@ def stored_energy(s: State, c: Circuit) -> float:
 
 @pytest.mark.parametrize("bars", [(0.0, 90.0, 0.0, 30.0), (60.0, 10.0, 0.0, 0.0), (5.0, 45.0, 80.0, 80.0)])
 def test_energy_is_never_created(bars: tuple[float, ...]):
-    """Pump off, lumped lines, valve shut; chambers and lines at odds, so that valve and check valve open: the energy
-    never rises above its lowest value by more than 0.3 % of what was in motion, p/2B of the moving chambers."""
-    bare = {"oil": {"cavitation": "none"}, "pump": {"speed": 0.0, "efficiency": 1.0}, "relief": {"kind": "none"}}
+    """Pump off, lumped lines, both valves shut; chambers and lines at odds, so that counterbalance and check valve
+    open: the energy never rises above its lowest value by more than 0.3 % of what was in motion, p/2B of the moving
+    chambers."""
+    bare = {"oil": {"cavitation": "none"}, "pump": {"speed": 0.0, "efficiency": 1.0}}
     unfitted = {"filter": {"drop": 0.0}, "two_position_valve": {"drop": 0.0}}
     parts: dict[str, Any] = {"seal": FRICTIONLESS, "cylinder": TIGHT} | bare | unfitted
     parts |= pipes(model="lumped", friction="none")
