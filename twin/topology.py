@@ -126,13 +126,13 @@ BALANCE_UNITS = {"force_balance": "Pa", "speed_balance": "m/s", "sink_balance": 
 CAVITIES = tuple(name for name in OBSERVED if name.startswith(cavity("")))
 
 CHANNELS = {  # in the order in which the card reads them
-    "position": Channel("position", "position_range", ", upwards", "piston"),
+    "position": Channel("position", "position_range", ", positive as port A drives it", "piston"),
     "velocity": Channel(
         "velocity", "velocity_range", ", tachometer; NaN when absent", "piston", signed=True, switch="tachometer"
     ),
-    "p1": Channel("p1", "pressure_range", " gauge, inlet of the relief valve", "relief valve"),
-    "p2": Channel("p_lower", "pressure_range", " gauge, lower chamber (rod side, it lifts)", "lower chamber"),
-    "p3": Channel("p_upper", "pressure_range", " gauge, upper chamber (cap side)", "upper chamber"),
+    "p1": Channel("p1", "pressure_range", " gauge, tee of the relief valve", "relief valve"),
+    "p2": Channel("p_lower", "pressure_range", " gauge, p_lower: chamber of port A (pipe_3)", "lower chamber"),
+    "p3": Channel("p_upper", "pressure_range", " gauge, p_upper: chamber of port B (pipe_4)", "upper chamber"),
 }
 PRESSURES = tuple(name for name, channel in CHANNELS.items() if channel.unit == "Pa")
 PLACE_OF = {place.pressure: name for name, place in PLACES.items()}
@@ -147,6 +147,6 @@ SENSORS = {  # of every drive: what the scenario's `daq.channels` may name
     "flow_pump": Sensor("m^3/s", "flow_range", ", what the supply delivers", signed=True),
     "flow_relief": Sensor("m^3/s", "flow_range", ", through the relief valve", signed=True),
     "spool": Sensor("", "", ", of the directional valve, share of its travel", signed=True),
-    "force": Sensor("N", "force_range", ", of the rod on its load, upwards", signed=True),
-    "acceleration": Sensor("m/s^2", "acceleration_range", ", of the piston, upwards", signed=True),
+    "force": Sensor("N", "force_range", ", of the rod on its load, positive as port A pushes", signed=True),
+    "acceleration": Sensor("m/s^2", "acceleration_range", ", of the piston, positive as port A drives it", signed=True),
 }

@@ -2,7 +2,7 @@
 
 from importlib import resources
 from itertools import groupby
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -62,16 +62,25 @@ def _channels(which: str, changes: list[str], as_json: bool) -> None:
     from bridge.cli.tables import print_table
     from bridge.scenario import load
     from bridge.scenario.channels import layout_of, rows_of
+    from bridge.scenario.taps import TAP_HEADS, legend
     from bridge.wire.channels import format_of, text_of
     from bridge.wire.messages import CHANNELS_TOPIC, VARYING
 
     scenario = load(which, changes)
     layout, rows = layout_of(scenario), rows_of(scenario)
     if as_json:
-        message = {"key": f"{scenario.rig_name}/{CHANNELS_TOPIC}", "type": VARYING, "struct": format_of(layout)}
+        message: dict[str, Any] = {
+            "key": f"{scenario.rig_name}/{CHANNELS_TOPIC}",
+            "type": VARYING,
+            "struct": format_of(layout),
+        }
         known = [row._asdict() for row in rows]
-        print_json({**message, "definition": text_of(layout), "channels": scenario.daq.channels, "known": known})
+        taps = [dict(zip(TAP_HEADS, row, strict=True)) for row in legend(scenario)]
+        message |= {"definition": text_of(layout), "channels": scenario.daq.channels, "known": known, "measured": taps}
+        print_json(message)
         return
+    print_table(TAP_HEADS, legend(scenario))
+    print()
     print_table(("channel", "unit", "from", "to", "reads", "chosen"), [row.in_words() for row in rows])
     if layout:
         print(f"\n# {VARYING} on {scenario.rig_name}/{CHANNELS_TOPIC}, struct {_short(format_of(layout))}")

@@ -17,6 +17,7 @@ ALL_VALUES = Annotated[bool, typer.Option("--all", help="Print the values of wha
 if TYPE_CHECKING:
     from bridge.scenario import Scenario
     from bridge.scenario.describe import Value
+    from bridge.scenario.of_run import Setting
 
 
 def describe(
@@ -39,9 +40,14 @@ def describe(
         values_of,
         warnings,
     )
+    from bridge.scenario.of_run import settings_of
+    from bridge.scenario.origins import origins
+    from bridge.scenario.taps import TAP_HEADS, legend
     from bridge.scenario.text_picture import text_picture
 
-    values, found, steps = values_of(loaded), facts(loaded), step_rows(loaded)
+    inherited = origins(scenario, changes or [])
+    values, found, steps = values_of(loaded, inherited), facts(loaded), step_rows(loaded)
+    settings, taps = settings_of(loaded, inherited), legend(loaded)
     slots = slots_of(loaded)
     parameters, happens, limits_kept = _parameters(loaded), timeline(loaded), alarms(loaded)
     wrong = faults(loaded)
@@ -49,6 +55,9 @@ def describe(
         keys = ("part", "what", "time", "longest step")
         limits = [dict(zip(keys, row, strict=True)) for row in steps]
         plain = {"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits}
+        plain["settings"] = [s._asdict() for s in settings]
+        plain["taps"] = [dict(zip(TAP_HEADS, row, strict=True)) for row in taps]
+        plain["warnings"] = warnings(loaded)
         plain["fitted"] = [dict(zip(("slot", "kind", "chosen by"), row, strict=True)) for row in slots]
         further = {"parameters": parameters, "timeline": [h._asdict() for h in happens]}
         further["faults"] = [fault._asdict() for fault in wrong]
@@ -56,14 +65,18 @@ def describe(
         print_json(plain | {name: rows for name, rows in further.items() if rows})
         return
     print(text_picture(loaded.rig_values()))
+    print_table(TAP_HEADS, taps)
+    print()
     print_table(("slot", "what is fitted", "chosen by"), slots)
     if empty := empty_slots(loaded):
         print(f"not fitted: {', '.join(empty)}")
     print()
-    shown = values if every else shown_values(loaded)
+    shown = values if every else shown_values(loaded, inherited)
     print_table(("value", "", "", "source"), [(v.name, v.value, _mark(v), v.source) for v in shown])
     if not every:
         print(f"{len(values) - len(shown)} values of what is not fitted are left out; --all prints them")
+    print()
+    print_table(("of the run", "", "", "source"), [(s.name, s.value, _own(s), s.source) for s in settings])
     print()
     print_table(("what follows", ""), found)
     print()
@@ -84,8 +97,13 @@ def describe(
         print(f"warning: {line}")
 
 
+def _own(value: "Value | Setting") -> str:
+    """A star where the scenario itself says it, not one that it extends."""
+    return "*" if value.changed and not value.origin else ""
+
+
 def _mark(value: "Value") -> str:
-    return ("*" if value.changed else "") + ("" if value.fitted else " not fitted")
+    return _own(value) + ("" if value.fitted else " not fitted")
 
 
 def _parameters(scenario: "Scenario") -> dict[str, Any]:

@@ -14,7 +14,7 @@ from bridge.recording.columns import followed, relief_moved, vapour
 from bridge.recording.reader import Recording
 from bridge.recording.shown import GROUPS, MEASURED
 from bridge.scenario import Scenario
-from bridge.scenario.fitted import of_drive
+from bridge.scenario.fitted import kind_of, of_drive
 from controller.grid import NS
 
 Row = Callable[[Any, Any, Any, Scenario], None]  # axis, time, state, scenario
@@ -92,12 +92,14 @@ def _valve(axis: Any, time: Any, state: Any, scenario: Scenario) -> None:
     axis.set_ylim(-1.05, 1.05)
 
 
-def _relief(axis: Any, time: Any, state: Any, _: Scenario) -> None:
-    """Flow, and on an axis of their own the lifts of both stages."""
+def _relief(axis: Any, time: Any, state: Any, scenario: Scenario) -> None:
+    """Flow, and of a two-stage valve on an axis of their own the lifts of both stages."""
     flow, lift = GROUPS["flow"], GROUPS["relief"]
     axis.fill_between(time, state["flow_relief"] * flow.scale, color="C0", alpha=0.35, linewidth=0.0, label="flow")
     axis.set_ylabel(f"relief [{flow.unit}]")
     axis.set_ylim(bottom=0.0)
+    if kind_of(scenario.rig_values(), "relief valve") != "two-stage":
+        return
     lifts = axis.twinx()
     for curve in lift.curves:
         colour = LIGHT[curve.colour]

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bridge.errors import nearest
+from bridge.scenario.fitted import of_drive
 from bridge.scenario.units import SHOWN, shown
 from bridge.wire.channels import ChannelField, Layout
 from twin.kept import sensors
@@ -35,9 +36,9 @@ class Row(NamedTuple):
 
 def rows_of(scenario: "Scenario") -> list[Row]:
     """All that the channels of the scenario's drive may read."""
-    places = {name: place for place, name in enumerate(scenario.daq.channels)}
+    places, rig = {name: place for place, name in enumerate(scenario.daq.channels)}, scenario.rig_values()
     return [
-        Row(name, sensor.unit, *sensor.ends(scenario.daq), sensor.note.strip(" ,"), places.get(name))
+        Row(name, sensor.unit, *sensor.ends(scenario.daq), of_drive(sensor.note.strip(" ,"), rig), places.get(name))
         for name, sensor in known(scenario).items()
     ]
 

@@ -37,7 +37,7 @@ def circuit_of(scenario: Scenario) -> Circuit:
     try:
         return _circuit(_plain(scenario.rig_values()), scenario.loop.step)
     except ValueError as error:
-        raise ScenarioError(f"{scenario.name}: {error}") from None
+        raise _refusal(scenario, error) from None
 
 
 def rest_of(scenario: Scenario) -> NDArray[np.float64]:
@@ -46,7 +46,7 @@ def rest_of(scenario: Scenario) -> NDArray[np.float64]:
     try:
         return _rest(_plain(scenario.rig_values()), scenario.loop.step, start.position, start.p_upper).copy()
     except ValueError as error:
-        raise ScenarioError(f"{scenario.name}: {error}") from None
+        raise _refusal(scenario, error) from None
 
 
 def supply_of(scenario: Scenario) -> SupplyAtRest:
@@ -54,7 +54,14 @@ def supply_of(scenario: Scenario) -> SupplyAtRest:
     try:
         return supply_at_rest(circuit_of(scenario))
     except ValueError as error:
-        raise ScenarioError(f"{scenario.name}: {error}") from None
+        raise _refusal(scenario, error) from None
+
+
+def _refusal(scenario: Scenario, error: ValueError) -> ScenarioError:
+    """The reason in one line, with a number that likely lacks its unit, which may be behind it."""
+    from bridge.scenario.plausible import missing_units
+
+    return ScenarioError("; ".join([f"{scenario.name}: {error}", *missing_units(scenario)]))
 
 
 def _plain(values: Mapping[str, Mapping[str, Any]]) -> Plain:

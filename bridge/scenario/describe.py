@@ -3,6 +3,7 @@
 import math
 from typing import Any, NamedTuple
 
+from bridge.scenario.at_rest import holding_warnings, rest_facts
 from bridge.scenario.circuit import circuit_of, rest_of, supply_of
 from bridge.scenario.faults import Fault
 from bridge.scenario.faults import planned as faults_of
@@ -10,6 +11,9 @@ from bridge.scenario.fitted import SLOTS, fitted
 from bridge.scenario.in_force import in_force
 from bridge.scenario.lowering_swing import in_words, lowering_swings
 from bridge.scenario.model import Scenario
+from bridge.scenario.of_run import OWN
+from bridge.scenario.origins import Origins
+from bridge.scenario.plausible import missing_units
 from bridge.scenario.reach import reference_warnings
 from bridge.scenario.safety import planned
 from bridge.scenario.supply_facts import Fact, relief_facts, supply_facts
@@ -19,6 +23,7 @@ from twin.air import NoAir, effective_bulk_modulus
 from twin.circuit.build import fitted_pipes
 from twin.circuit.limits import limits, natural_frequency, too_coarse
 from twin.circuit.oil import pipe_volume
+from twin.circuit.parasitic import parasitic
 from twin.circuit.step import Circuit
 from twin.quantity import Choice, Entry, Table
 from twin.rig import RIG, Values
@@ -36,6 +41,7 @@ class Value(NamedTuple):
     source: str
     changed: bool  # not the rig's own
     fitted: bool  # of a part that the drive has
+    origin: str = ""  # the extended scenario that a changed one is from; "" where the scenario itself says it
 
 
 class Happens(NamedTuple):
@@ -45,26 +51,29 @@ class Happens(NamedTuple):
     what: str
 
 
-def values_of(scenario: Scenario) -> list[Value]:
-    """Every value, in the order of the rig; whatever the scenario changed has that as its source."""
-    values = scenario.rig_values()
+def values_of(scenario: Scenario, inherited: Origins | None = None) -> list[Value]:
+    """Every value, in the order of the rig; whatever the scenario changed, or one that it extends, has that as source.
+
+    inherited: names of values, and the extended scenario that each is from (`origins`).
+    """
+    values, origin = scenario.rig_values(), inherited or {}
     read = in_force(values)
     return [
-        _value(f"{part}.{name}", value, RIG[part][name], f"{part}.{name}" in read)
+        _value(f"{part}.{name}", value, RIG[part][name], f"{part}.{name}" in read, origin.get(f"rig.{part}.{name}", ""))
         for part, entries in values.items()
         for name, value in entries.items()
     ]
 
 
-def shown_values(scenario: Scenario) -> list[Value]:
-    """The values of what is fitted, and whatever the scenario changed."""
-    return [value for value in values_of(scenario) if value.fitted or value.changed]
+def shown_values(scenario: Scenario, inherited: Origins | None = None) -> list[Value]:
+    """The values of what is fitted, and whatever the scenario itself changed."""
+    return [v for v in values_of(scenario, inherited) if v.fitted or (v.changed and not v.origin)]
 
 
-def _value(name: str, value: Any, entry: Entry, read: bool) -> Value:
-    own = value == entry.value
-    source = entry.source if own else f"this scenario; otherwise {_text(name, entry.value, entry)}"
-    return Value(name, _text(name, value, entry), source, not own, read)
+def _value(name: str, value: Any, entry: Entry, read: bool, origin: str) -> Value:
+    rigs_own = value == entry.value
+    source = entry.source if rigs_own else f"{origin or OWN}; otherwise {_text(name, entry.value, entry)}"
+    return Value(name, _text(name, value, entry), source, not rigs_own, read, "" if rigs_own else origin)
 
 
 def slots_of(scenario: Scenario) -> list[tuple[str, str, str]]:
@@ -132,7 +141,7 @@ def facts(scenario: Scenario) -> list[Fact]:
     circuit = circuit_of(scenario)
     rest_of(scenario)
     found = _oil_facts(circuit)
-    found += [*supply_facts(circuit, supply_of(scenario)), *relief_facts(circuit, scenario)]
+    found += [*rest_facts(scenario), *supply_facts(circuit, supply_of(scenario)), *relief_facts(circuit, scenario)]
     if isinstance(circuit.parts.valve, ServoValve):
         found += _servo_facts(circuit.parts.valve, supply_of(scenario).idle)
     swings = lowering_swings(scenario).items()
@@ -215,4 +224,15 @@ def warnings(scenario: Scenario) -> list[str]:
         f"at most {limit.step * 1e6:.3g} us; results are less accurate, see `hydrotwin convergence`"
         for limit in too_coarse(circuit)
     ]
-    return [*coarse, *reference_warnings(scenario)]
+    further = (missing_units, holding_warnings, _parasitic_warnings, reference_warnings)
+    return [*coarse, *(line for warn in further for line in warn(scenario))]
+
+
+def _parasitic_warnings(scenario: Scenario) -> list[str]:
+    """Lines without inertia that are so small beside their neighbours that what the scheme adds to them matters."""
+    return [
+        f"{at.line} stores {at.capacity * 1e11:.3g} cm^3/bar without inertia beside {at.beside * 1e11:.3g} cm^3/bar: "
+        f"at loop.step {scenario.loop.step * 1e6:g} us the scheme swings between them at {at.frequency:.3g} Hz, the "
+        f"load on its oil at {at.load:.3g} Hz; take loop.step {at.step * 1e6:.2g} us, a greater volume, or model lumped"
+        for at in parasitic(circuit_of(scenario))
+    ]

@@ -58,23 +58,35 @@ def plain(which: str) -> dict[str, Any]:
 
 def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
     """The plain data of a scenario, on top of what it extends: one, or several, each on top of those before."""
-    text, folder, place = _source(which)
+    data, folder, place = parsed(which)
     if place in extended_by:
         raise ScenarioError(f"{which}: extends itself{_by_way_of(extended_by[extended_by.index(place) + 1 :])}")
+    data = with_place(with_matrices(with_tables(data, folder), folder), folder)
+    found: dict[str, Any] = {}
+    for base in bases_of(data, folder):
+        found = _merged(found, _read(base, (*extended_by, place)))
+        found.pop("name", None)
+    data.pop("extends", None)
+    return with_own(found, data)
+
+
+def parsed(which: str) -> tuple[dict[str, Any], Path, str]:
+    """What a scenario itself says, the folder that its names of files start from, and the place that it is."""
+    text, folder, place = _source(which)
     try:
         data = json.loads(text) if which.endswith(".json") else tomllib.loads(text)
     except ValueError as error:
         raise ScenarioError(f"{which}: cannot be read: {error}") from None
     if not isinstance(data, dict):
         raise ScenarioError(f"{which}: holds a {NAMES.get(type(data), 'value')}; a scenario is a table of sections")
-    data = with_place(with_matrices(with_tables(data, folder), folder), folder)
-    bases = data.pop("extends", [])
-    found: dict[str, Any] = {}
-    for base in bases if isinstance(bases, list) else [bases]:
-        beside = folder / str(base)
-        found = _merged(found, _read(str(beside) if beside.is_file() else str(base), (*extended_by, place)))
-        found.pop("name", None)
-    return with_own(found, data)
+    return data, folder, place
+
+
+def bases_of(data: dict[str, Any], folder: Path) -> list[str]:
+    """The scenarios that one extends: files beside it, else built-in ones."""
+    bases = data.get("extends", [])
+    besides = [(folder / str(base), str(base)) for base in (bases if isinstance(bases, list) else [bases])]
+    return [str(beside) if beside.is_file() else base for beside, base in besides]
 
 
 def with_own(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:

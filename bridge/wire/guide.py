@@ -30,7 +30,10 @@ prints the header of a law in C). A controller of your own, in any language that
     scenario.daq.channels names further channels of the card, in the order of their numbers on <rig>/channels, which
     comes just before the measurement of the same sequence; without any there is no such message. `hydrotwin messages
     --scenario X` prints its layout and all that a channel may read.
-    position runs from 0, lowest, to scenario.rig.cylinder.stroke. A spool of 1 is scenario.rig.valve.full_scale volts:
+    position runs from 0 to scenario.rig.cylinder.stroke in the direction in which port A drives the piston (of the
+    thesis's rig upwards; of a motor it is the arc at the radius of its load). p2 is the pressure of the chamber at
+    port A, p_lower in bands, and p3 that at port B, p_upper; `hydrotwin messages --scenario X` says which side of
+    whose drive they are. A spool of 1 is scenario.rig.valve.full_scale volts:
     a gain of K V/% is spool = K * 100 * error / stroke / full_scale. The lands overlap by scenario.rig.valve.overlap
     (of a servo valve: scenario.rig.servo_valve.overlap_p_a and so on), a share of the spool's travel: so much does
     nothing, and the plant does not compensate for it.

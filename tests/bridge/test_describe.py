@@ -156,7 +156,7 @@ def test_the_verb_prints_picture_values_facts_limits_and_warnings(tmp_path):
 
 def test_the_verb_prints_json_when_asked(tmp_path):
     found = json.loads(hydrotwin_here("describe", "step", "--set", "rig.load.mass=302", "--json", cwd=tmp_path).stdout)
-    assert set(found) == {"values", "fitted", "facts", "step"}
+    assert set(found) == {"values", "fitted", "facts", "step", "settings", "taps", "warnings"}
     assert [value["name"] for value in found["values"]] == ALL
     assert {row["slot"]: row["kind"] for row in found["fitted"]}["directional valve"] == "proportional valve"
     assert [value["name"] for value in found["values"] if value["changed"]] == ["load.mass"]
