@@ -131,6 +131,14 @@ def test_another_kind_in_a_slot_compiles_that_kind_and_the_step_alone(folder: Pa
     assert compiled_for(folder, "Weight", 98.1) == set()
 
 
+def test_python_calls_what_kernels_copy(folder: Path):
+    """What is kept for copying has no way in from Python: a call of it makes another, and finds that one again."""
+    compiled_for(folder, "Weight", 98.1)
+    for _ in range(2):
+        drive = imported(folder, "drive")
+        assert drive.delivered(drive.Pump(1.5)) == 3.0
+
+
 @pytest.mark.parametrize("how", DAMAGE)
 def test_damaged_code_is_compiled_anew(folder: Path, how: str):
     hits(folder)
