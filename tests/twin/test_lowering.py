@@ -1,5 +1,7 @@
 """A load lowered through a counterbalance valve: linear theory and twin agree on what swings."""
 
+from typing import Any
+
 import pytest
 
 from bridge.scenario import load
@@ -36,11 +38,10 @@ def test_theory_and_twin_agree_on_growth_and_frequency(case: tuple[float, float,
         ({"wall": 3e-3, "young": 1e10}, (-2.2, -14.2)),  # a barrel that gives way
         ({"leakage_resistance": 3e11}, (-15.3, 0.1)),
         ({"outside_lower": 5e11}, (-2.3, 0.0)),
+        ({"holes": "fitted", "hole_upper": 1.2e-3}, (-5.7, -0.6)),
     ],
 )
-def test_a_soft_barrel_and_leaks_do_in_theory_what_they_do_in_the_twin(
-    own: dict[str, float], shift: tuple[float, float]
-):
+def test_a_soft_barrel_and_leaks_do_in_theory_what_they_do_in_the_twin(own: dict[str, Any], shift: tuple[float, float]):
     """Beside a drive without them: growth to 1 1/s, frequency to 0.5 Hz."""
     plain, changed = drive(8.0, 0.5, 0.5), drive(8.0, 0.5, 0.5)
     changed["cylinder"].update(own)

@@ -75,6 +75,9 @@ def test_balances_know_leaks_to_the_outside_and_oil_that_passes_a_motor():
     b = drained.parts.oil.bulk_modulus
     assert speed_balance(TIME, p, drained) == pytest.approx(lost / AREA, rel=1e-12)
     assert sink_balance(TIME, p, drained) == pytest.approx(lost / AREA / (1.0 + 20 * BAR / b), rel=1e-12)
+    holed = circuit(cylinder=TIGHT | {"holes": "fitted", "hole_lower": 0.5e-3, "hole_transition": 0.0})
+    torricelli = 0.61 * math.pi / 4.0 * 0.5e-3**2 * math.sqrt(2.0 * 20 * BAR / holed.parts.oil.density)
+    assert speed_balance(TIME, p, holed) == pytest.approx(torricelli / AREA, rel=1e-9)
     motor = circuit(actuator={"kind": "motor"}, motor={"leakage_resistance": math.inf, "case_resistance": 2e12})
     assert sink_balance(TIME, p, motor) == pytest.approx(lost / (50e-6 / (2.0 * math.pi)), rel=1e-12)
 
