@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -13,6 +14,7 @@ from bridge.errors import RunError
 from bridge.machine.children import guarded
 from bridge.studies.sweep.journal import Point, Result
 
+UNTOLD = "ignore:resource_tracker:UserWarning"  # what Python's cleaner of semaphores says after Ctrl-C has ended us
 WAY_OUT = "memory may have run out; run it again with fewer --workers"
 
 Task = Callable[[Point], Result]  # importable by name, pure
@@ -35,6 +37,8 @@ def alone(task: Task, points: Sequence[Point]) -> Done:
 def local(task: Task, workers: int) -> Iterator[Ask]:
     """Processes of this machine. They are new ones and inherit no thread of this one. RunError when one dies."""
     spawn = multiprocessing.get_context("spawn")
+    if UNTOLD not in sys.warnoptions:  # a new Python takes them over from here
+        sys.warnoptions.append(UNTOLD)
     with guarded() as environment, ProcessPoolExecutor(workers, spawn) as pool:
 
         def ask(points: Sequence[Point]) -> Done:
