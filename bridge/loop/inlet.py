@@ -164,14 +164,14 @@ class Inlet:
 
     def _come(self, turn: Turn, now: int) -> None:
         """An alarm has come."""
-        alarm, owned = turn.alarm, self._gate.owner is not None
+        alarm, owned, was_shut = turn.alarm, self._gate.owner is not None, self.shut
         kind = self._states.come(alarm.number, alarm.then)
         goes = ""
         if kind == EventKind.SAFE:
             self._refuge.take(now)
             self._gate.in_force = now
             goes = f": {self._refuge.words(owned)}"
-        if self.shut:
+        if self.shut and not was_shut:
             self._awaited = self._kept_out = False
         until = ", until reset" if kind in (EventKind.SAFE, EventKind.LATCHED) and self.latched else ""
         text = f"alarm {alarm.id}: {alarm.words}, {value_in_words(turn.value, alarm.unit)}{goes}{until}"

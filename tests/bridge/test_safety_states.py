@@ -162,6 +162,17 @@ def test_an_alarm_stops_the_plant_at_its_scan_and_the_next_command_after_it_acts
     assert not command(side, 0.1, source=OTHER)
 
 
+def test_what_an_alarm_keeps_out_is_told_once():
+    """However many further alarms come meanwhile."""
+    side = start(scenario_of('when="position > 101 mm", then="safe"', 'when="position > 101.5 mm", then="degraded"'))
+    seen = []
+    for _ in range(60):
+        command(side, 0.8)
+        seen += side.tick()
+    assert [kind for kind, _ in kinds(seen)].count("refused") == 1
+    assert side.inlet.refused["alarm"] > 20
+
+
 def test_a_latched_plant_waits_for_reset_and_is_degraded_while_the_alarm_stays():
     side = start(scenario_of('when="position > 101 mm", then="latched"', changes=("safety.degraded_limit=0.3",)))
     while side.inlet.state == SafetyState.RUNNING:
