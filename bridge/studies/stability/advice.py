@@ -28,6 +28,13 @@ from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins
 from bridge.studies.stability.rig_plant import RigPlant, plants
 from bridge.studies.stability.sampled_law import FreeGain, free_gain
 from bridge.studies.stability.twin_loop import uncovered
+from bridge.studies.stability.twin_range import (
+    OUT_OF_TIME,
+    Search,
+    search_of,
+    twin_range,
+    twin_wide_later,
+)
 from controller.law import volts_per_percent
 from controller.reference import evaluate
 from controller.stability import Margins
@@ -235,7 +242,9 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
     if scenario.controller.kind == "relay":
         return _advise_relay(scenario, sizes)
     free = free_gain(scenario)
-    found, own = swing_range(scenario, sizes), gains_of(scenario)
+    search = search_of(scenario, sizes) if uncovered(scenario) else None
+    found = twin_range(search, free.own) if search else swing_range(scenario, sizes)
+    own, suggested = gains_of(scenario), _suggestion(scenario, sizes, found, free, search)
     points, left_out = _linear(scenario)
     return Advice(
         scenario=scenario.name,
@@ -252,21 +261,31 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
         steps=tuple(_step(interval, free) for interval in found.intervals),
         rows=tuple(RowAdvice(_free(r.gain, free), r.swinging, r.peak_to_peak, r.frequency) for r in found.rows),
         points=points,
-        suggested=_suggestion(scenario, sizes, found, free),
-        notes=(*notes_on(scenario, free), *_runs_of_the_twin(scenario), *left_out),
+        suggested=suggested,
+        notes=(*notes_on(scenario, free), *_runs_of_the_twin(scenario, search), *left_out),
     )
 
 
-def _runs_of_the_twin(scenario: Scenario) -> list[str]:
-    beyond = uncovered(scenario)
-    return [f"by runs of the twin, one noise each: the reduced drive leaves out {', '.join(beyond)}"] if beyond else []
+def _runs_of_the_twin(scenario: Scenario, search: Search | None) -> list[str]:
+    if search is None:
+        return []
+    beyond = ", ".join(uncovered(scenario))
+    ended = [OUT_OF_TIME] if search.cut_short else []
+    return [f"by runs of the twin, one noise each: the reduced drive leaves out {beyond}", *ended]
 
 
-def _suggestion(scenario: Scenario, sizes: Sequence[float], found: SwingRange, free: FreeGain) -> Suggestion:
+def _suggestion(
+    scenario: Scenario, sizes: Sequence[float], found: SwingRange, free: FreeGain, search: Search | None
+) -> Suggestion:
     """Half of the gain from which a motion swings widely; none where none does or all do."""
     gain = found.wide / GAIN_MARGIN
-    later = min(gain, wide_gain_later(scenario, sizes, found.low))
-    hunts = hunting(scenario, sizes, gain) if math.isfinite(gain) else None
+    if search is None:
+        later = min(gain, wide_gain_later(scenario, sizes, found.low))
+        hunts = hunting(scenario, sizes, gain) if math.isfinite(gain) else None
+    else:
+        later = twin_wide_later(scenario, search, gain)
+        unknown = not math.isfinite(gain) or search.late()
+        hunts = None if unknown else max(swing.peak_to_peak for swing in search.at(gain))
     return Suggestion(_free(gain, free), _free(later, free), hunts, RULE)
 
 

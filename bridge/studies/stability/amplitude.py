@@ -43,7 +43,7 @@ ROUGHLY = 1.15  # beyond the edges of a single noise
 AT = 1.0  # [s], of the step
 QUIET, IN_A_ROW = 1.6, 3  # between gains on the way down, until so many settle: louder ones may, above those that swing
 LEAST = 1e-2  # of the scenario's own gain: no quieter gain is looked for
-ROWS, TWIN_ROWS = 9, 4  # of the picture, and where runs of the twin draw it
+ROWS = 9  # of the picture
 TWIN_SCAN = ROUGH._replace(ratio=1.6, tolerance=1.06, back=0.6)  # where each run is one of the twin
 THREADS = 2
 
@@ -125,18 +125,21 @@ def both_ways(scenario: Scenario, sizes: Iterable[float]) -> list[float]:
     return [size for size in signed if 0.0 < start + size < stroke]
 
 
+def room_for(scenario: Scenario, sizes: Sequence[float]) -> list[float]:
+    """As `both_ways`. Raises ScenarioError where none fits."""
+    if asked := both_ways(scenario, sizes):
+        return asked
+    raise ScenarioError(
+        f"no step of {', '.join(f'{abs(s) * 1e3:g}' for s in sizes)} mm fits into the stroke from "
+        f"{scenario.start.position * 1e3:g} mm; ask for smaller ones, or set start.position"
+    )
+
+
 def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, seeds: Sequence[int] = SEEDS) -> SwingRange:
-    """Which gains settle after which steps [m]. Raises ScenarioError where there is no answer."""
-    loop, own = any_loop(scenario), free_gain(scenario).own
-    asked = both_ways(scenario, sizes)
-    if isinstance(loop, TwinLoop):
-        seeds = ()
-    further = [size for size in both_ways(scenario, (*ASKED, *FURTHER)) if size not in asked and seeds]
-    if not asked:
-        raise ScenarioError(
-            f"no step of {', '.join(f'{abs(s) * 1e3:g}' for s in sizes)} mm fits into the stroke from "
-            f"{scenario.start.position * 1e3:g} mm; ask for smaller ones, or set start.position"
-        )
+    """Which gains settle after which steps [m], by the reduced loop. Raises ScenarioError where there is none."""
+    loop, own = loop_of(scenario), free_gain(scenario).own
+    asked = room_for(scenario, sizes)
+    further = [size for size in both_ways(scenario, (*ASKED, *FURTHER)) if size not in asked]
     first = quiet_gain(loop, [*asked, *further], own)
     sizes = [*asked, *further]
     starts = dict(zip(sizes, threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), sizes), strict=True))
@@ -209,17 +212,17 @@ def quiet_gain(loop: Loop | TwinLoop, sizes: Sequence[float], own: float) -> flo
     return gain
 
 
-def picture(loop: Loop | TwinLoop, sizes: Sequence[float], low: float, high: float, own: float) -> list[PictureRow]:
+def picture(loop: Loop, sizes: Sequence[float], low: float, high: float, own: float) -> list[PictureRow]:
     """Amplitude and frequency over the gain."""
     if not math.isfinite(low):
         return []
     top = high if math.isfinite(high) else 4.0 * low
-    gains = sorted(
-        {*np.geomspace(0.8 * low, 1.25 * top, TWIN_ROWS if isinstance(loop, TwinLoop) else ROWS).tolist(), own}
-    )
+    gains = sorted({*np.geomspace(0.8 * low, 1.25 * top, ROWS).tolist(), own})
     jobs = [(gain, size) for gain in gains for size in sizes]
     swings = threaded(lambda job: swing(loop, *job), jobs)
-    return [_row(gain, sizes, [s for (g, _), s in zip(jobs, swings, strict=True) if g == gain]) for gain in gains]
+    return [
+        picture_row(gain, sizes, [s for (g, _), s in zip(jobs, swings, strict=True) if g == gain]) for gain in gains
+    ]
 
 
 def own_row(scenario: Scenario, own: float) -> tuple[PictureRow, int]:
@@ -227,10 +230,11 @@ def own_row(scenario: Scenario, own: float) -> tuple[PictureRow, int]:
     loop, sizes = loop_of(scenario), both_ways(scenario, ASKED)
     if not sizes:
         raise ScenarioError(f"no step fits into the stroke from {scenario.start.position * 1e3:g} mm")
-    return _row(own, sizes, threaded(lambda size: swing(loop, own, size), sizes)), len(sizes)
+    return picture_row(own, sizes, threaded(lambda size: swing(loop, own, size), sizes)), len(sizes)
 
 
-def _row(gain: float, sizes: Sequence[float], swings: Sequence[Swing]) -> PictureRow:
+def picture_row(gain: float, sizes: Sequence[float], swings: Sequence[Swing]) -> PictureRow:
+    """What a gain does, of a swing for each step [m]."""
     largest = max(swings, key=lambda s: s.peak_to_peak)
     swinging = tuple(size for size, s in zip(sizes, swings, strict=True) if s.counts)
     return PictureRow(gain, swinging, largest.peak_to_peak, largest.frequency)

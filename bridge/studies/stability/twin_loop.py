@@ -1,7 +1,7 @@
 """The loop of a drive that the reduced drive does not cover: runs of the twin itself take its place.
 
 Each run is that of `twin_edge`, 20 s or more with one noise of the card, so an edge has no interval of its own but what
-the search and `WIDER` leave; an answer takes minutes where the reduced drive takes seconds.
+the search and `WIDER` leave; `twin_range` looks for edges with few of them, in a bounded time.
 """
 
 from typing import NamedTuple
