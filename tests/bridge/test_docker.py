@@ -2,8 +2,9 @@
 
 import json
 import re
+import socket
 from fnmatch import fnmatch
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import pytest
@@ -20,7 +21,8 @@ SERVICES = ("router", "plant", "controller", "recorder", "viewer")
 
 def compose(scenario: str = "") -> dict[str, Any]:
     """The compose file as an engine sees it, with SCENARIO set or left out."""
-    return yaml.safe_load(re.sub(r"\$\{SCENARIO:-(\w+)\}", lambda match: scenario or match[1], COMPOSE))
+    text = re.sub(r"\$\{SCENARIO:-(\w+)\}", lambda match: scenario or match[1], COMPOSE)
+    return yaml.safe_load(re.sub(r"\$\{ADDRESS:-([\d.]+)\}", r"\1", text))
 
 
 def parsed(arguments: list[str]) -> dict[str, Any]:
@@ -55,9 +57,40 @@ def test_all_meet_at_the_router_and_play_the_same_scenario():
     port = options["router"]["listen"].rpartition(":")[2]
     for name in ("plant", "controller", "recorder"):
         assert options[name]["connect"] == f"tcp/router:{port}"
-        assert services[name]["depends_on"] == ["router"]
+        assert services[name]["depends_on"] == {"router": {"condition": "service_healthy"}}
     assert options["plant"]["scenario"] == options["controller"]["scenario"] == "square"
     assert sorted(options["plant"]["partners"]) == ["controller", "recorder"]
+
+
+@pytest.mark.parametrize("service", SERVICES)
+def test_a_service_can_write_its_volumes_and_nothing_else_as_a_user_without_rights(service):
+    found = compose()["services"][service]
+    assert found["user"] == "1000:1000"
+    assert "useradd --create-home --uid 1000 hydrotwin" in DOCKERFILE
+    assert found["read_only"] is True
+    assert found["cap_drop"] == ["ALL"]
+    assert "no-new-privileges:true" in found["security_opt"]
+    assert "privileged" not in found
+
+
+def test_only_the_routers_port_is_published_and_on_this_machine_alone():
+    published = {name: service["ports"] for name, service in compose()["services"].items() if "ports" in service}
+    assert published == {"router": ["127.0.0.1:7447:7447"]}
+
+
+@pytest.mark.parametrize("service", [name for name in SERVICES if name != "viewer"])
+def test_a_health_check_sees_a_connection_to_the_routers_port(service):
+    """In the kernel's table: hexadecimal port and state, 0A for listening, 01 for connected."""
+    check = compose()["services"][service]["healthcheck"]["test"]
+    assert check[:3] == ["CMD", "grep", "--quiet"]
+    with socket.create_server(("127.0.0.1", 0)) as door:
+        port = f":{door.getsockname()[1]:04X} "
+        wanted = check[3].replace(":1D17 ", port)
+        assert int("1D17", 16) == 7447
+        listens = service == "router"
+        assert (wanted in Path("/proc/net/tcp").read_text()) == listens
+        with socket.create_connection(door.getsockname()):
+            assert wanted in Path("/proc/net/tcp").read_text()
 
 
 def test_the_viewer_shows_what_the_recorder_wrote_in_the_volume():

@@ -43,10 +43,12 @@ IMPATIENT = (  # a supervisor that gives its processes 2 s instead of 8 s to end
 
 
 @contextmanager
-def started(*arguments: str, cwd: Path = ROOT, program: tuple[str, ...] = HYDROTWIN) -> Iterator[subprocess.Popen[str]]:
-    """The command in the background, in a group of its own that is ended in the end."""
+def started(
+    *arguments: str, cwd: Path = ROOT, program: tuple[str, ...] = HYDROTWIN, inside: tuple[str, ...] = ()
+) -> Iterator[subprocess.Popen[str]]:
+    """The command in the background, in a group of its own that is ended in the end; inside: words that run it."""
     process = subprocess.Popen(
-        [sys.executable, *program, *arguments],
+        [*inside, sys.executable, *program, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
