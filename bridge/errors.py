@@ -9,6 +9,7 @@ from pathlib import Path
 
 LIKENESS = 0.55  # of 1: below this a suggestion would mislead
 SLIP = 0.8  # of 1: from this on it is likely the same word
+LONGEST_WORD = 100  # characters that are compared
 FOLDER_GONE = "the working folder no longer exists; change to another one"
 
 
@@ -39,7 +40,7 @@ def has_near(word: str, valid: Collection[str]) -> bool:
 
 def nearest(word: str, valid: Collection[str], further: str = "") -> str:
     """The end of a sentence on an unknown word: what may have been meant, and what there is."""
-    near = difflib.get_close_matches(word, valid, n=1, cutoff=LIKENESS)
+    near = difflib.get_close_matches(word[:LONGEST_WORD], valid, n=1, cutoff=LIKENESS)
     known = ", ".join([*(name or "none" for name in valid), *([further] if further else [])])
     return (f"; did you mean {near[0]!r}?" if near else "") + f" (valid: {known})"
 

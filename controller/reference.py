@@ -10,6 +10,7 @@ from bisect import bisect_right
 from functools import singledispatch
 from typing import NamedTuple
 
+SHOWN = 40  # characters of what a message quotes
 HEADER = ["time_s", "position_m"]
 HALF_NS = 0.5e-9  # stamps are whole nanoseconds: two times nearer than this are one stamp, rounded twice
 
@@ -162,14 +163,19 @@ def _filled_lines(text: str) -> list[tuple[int, list[str]]]:
     separator = next((mark for mark in (";", "\t") if mark in text), ",")
     text = text if separator == "," else text.replace(",", ".")
     reader = csv.reader(text.removeprefix("\ufeff").splitlines(), delimiter=separator)  # spreadsheets write that mark
-    lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    try:
+        lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    except csv.Error as error:
+        raise ValueError(f"line {reader.line_num}: {error}") from None
     filled = [(line, cells) for line, cells in lines if any(cells)]
     return filled[1:] if filled and filled[0][1] == HEADER else filled
 
 
 def _numbers(cells: list[str], line: int) -> tuple[float, float]:
     if len(cells) != 2:
-        raise ValueError(f"line {line}: {len(cells)} columns in {','.join(cells)!r}; expected 2: {','.join(HEADER)}")
+        raise ValueError(
+            f"line {line}: {len(cells)} columns in {','.join(cells)[:SHOWN]!r}; expected 2: {','.join(HEADER)}"
+        )
     return _number(cells[0], HEADER[0], line), _number(cells[1], HEADER[1], line)
 
 
@@ -179,7 +185,7 @@ def _number(cell: str, name: str, line: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ValueError(f"line {line}: {name} is {cell!r}; expected a finite number")
+        raise ValueError(f"line {line}: {name} is {cell[:SHOWN]!r}; expected a finite number")
     return value
 
 

@@ -15,11 +15,12 @@ class Damage(NamedTuple):
     spans: tuple[Span, ...] = ()  # of these, first and last log time [ns], as far as they are known
     records: int = 0  # that are damaged and not of messages: metadata, index
     nameless: int = 0  # messages of channels whose description is lost
+    unreadable: int = 0  # messages that are not what their channel says
 
     @property
     def messages_missing(self) -> bool:
         """Are messages missing that had been recorded?"""
-        return bool(self.cut or self.chunks or self.nameless)
+        return bool(self.cut or self.chunks or self.nameless or self.unreadable)
 
     @property
     def nothing(self) -> bool:
@@ -35,6 +36,8 @@ class Damage(NamedTuple):
             found.append(f"damaged: {self.records} other records {_are(self.records)} left out: facts or index")
         if self.nameless:
             found.append(f"damaged: the channels of {self.nameless} messages are not described any more")
+        if self.unreadable:
+            found.append(f"damaged: {self.unreadable} messages are not what their channel says, and are left out")
         return found
 
     def _when(self) -> str:

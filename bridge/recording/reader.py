@@ -22,7 +22,7 @@ from bridge.scenario import Scenario, check
 from bridge.scenario.channels import layout_of
 from bridge.wire.channels import Layout, format_of, layout_in
 from bridge.wire.codec import STORE, decode
-from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, field_names, struct_format
+from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, field_names, flat_size, struct_format
 from controller.grid import NS
 
 log = logging.getLogger("hydrotwin")
@@ -124,6 +124,23 @@ def missing(recording: Recording) -> list[str]:
     return cut + recording.damage.words()
 
 
+SIZES = {name: flat_size(topic.type) for name, topic in TOPICS.items()}
+
+
+def is_sound(topic: str, data: bytes) -> bool:
+    """Is a message what its topic says? A file may come from anybody; of topics that are not ours nothing is said."""
+    if topic not in SIZES:
+        return True
+    size = SIZES[topic]
+    if size is not None:
+        return len(data) == size
+    try:
+        decode(data, topic)
+    except ValueError:
+        return False
+    return True
+
+
 class _Content:
     """What a scan brings together."""
 
@@ -133,6 +150,7 @@ class _Content:
         self.counts: Counter[str] = Counter()
         self.metadata: dict[str, dict[str, Any]] = {}
         self.damage = Damage()
+        self.unreadable = 0  # messages
         self._topics = topics
 
     def take(self, scan: Scan) -> None:
@@ -149,7 +167,7 @@ class _Content:
         nameless = self.counts.pop("", 0)  # messages of channels that are not described
         if nameless:
             self.entries = [entry for entry in self.entries if entry.topic]
-        self.damage = damage(scan, nameless)
+        self.damage = damage(scan, nameless)._replace(unreadable=self.unreadable)
 
     def recording(self, path: Path) -> Recording:
         """All of it."""
@@ -164,10 +182,13 @@ class _Content:
                 self.channels.add(parsed(opcode, records[begin:end]) if opcode in READ else None)
             elif end - begin >= MESSAGE.size:
                 channel, sequence, log_time, _ = MESSAGE.unpack_from(records, begin)
-                topic = topics.get(channel, "")
+                topic, data = topics.get(channel, ""), records[begin + MESSAGE.size : end]
+                if not is_sound(topic, data):
+                    self.unreadable += 1
+                    continue
                 counts[topic] += 1
                 if wanted is None or topic in wanted:
-                    add(Entry(topic, log_time, sequence, records[begin + MESSAGE.size : end]))
+                    add(Entry(topic, log_time, sequence, data))
 
     def _take_metadata(self, scan: Scan, piece: Piece) -> None:
         facts = facts_of(piece.record)

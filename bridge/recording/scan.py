@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from mcap.opcode import Opcode
 
 from bridge.errors import UsageError
-from bridge.recording.chunk import is_compressed_chunk, open_chunk, span, stored_records
+from bridge.recording.chunk import Meter, UnpackedError, is_compressed_chunk, open_chunk, span, stored_records
 from bridge.recording.layout import (
     CHUNK_INDEX,
     FOOTER,
@@ -60,6 +60,7 @@ class Scan:
         self._sound: set[int] = set()  # places of chunks
         self._index: dict[int, Span] = {}  # what the file's own index says: place of a chunk -> its span
         self._channels = channels
+        self._meter = Meter(len(data))
         self._sizes: set[tuple[int, int]] = set()  # of messages, by channel
 
     def spans(self) -> list[Span]:
@@ -88,7 +89,7 @@ class Scan:
         opcode, begin, end = found
         if opcode != Opcode.CHUNK and (piece := self._sound_record(opcode, begin, end)):
             return self._noted(piece), end
-        opened = open_chunk(self._data, at)
+        opened = open_chunk(self._data, at, self._meter)
         if opened is not None:
             self.chunks += opened.whole
             self._sound.add(at)
@@ -166,7 +167,7 @@ class Scan:
         if found is None or found[2] > len(self._data) or not follows(self._data, found[2]):
             return False
         if found[0] == Opcode.CHUNK:
-            return open_chunk(self._data, at) is not None
+            return open_chunk(self._data, at, self._meter) is not None
         return self._sound_record(*found) is not None
 
 
@@ -210,6 +211,8 @@ def contents(path: Path) -> Iterator[Any]:
             if not resembles_magic(data[: len(MAGIC)]):
                 raise UsageError(f"{path}: not an MCAP file")
             yield data
+    except UnpackedError as error:
+        raise UsageError(f"{path}: {error}") from None
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}") from None
 

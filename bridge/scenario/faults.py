@@ -9,7 +9,7 @@ from bridge.errors import ScenarioError, nearest
 from bridge.scenario.channels import chosen
 from bridge.scenario.fault_kinds import DIRECTIONS, LAWS, LINK, PLANT, PROCESS, PROCESSES, SENSOR, Kind, Size
 from bridge.scenario.fields import Line, Part, Seconds
-from bridge.scenario.timeline import MOST_TIMES, Crossing, Value, begins_of, condition_of
+from bridge.scenario.timeline import MOST_TIMES, Crossing, Value, begins_of, condition_of, refuse_many
 from bridge.scenario.units import quantity
 from bridge.wire.messages import EventKind
 from controller.course import NEVER
@@ -94,6 +94,7 @@ class PlannedFault(NamedTuple):
 def planned(scenario: "Scenario") -> list[PlannedFault]:
     """The faults of a scenario. Raises ScenarioError that names the fault, what is wrong and the way out."""
     found: list[PlannedFault] = []
+    refuse_many("fault", scenario.fault)
     for number, fault in enumerate(scenario.fault, 1):
         try:
             one = plan_fault(fault, scenario, number)

@@ -1,17 +1,16 @@
 """Scenario files: found, and read as plain data, with changes from the command line."""
 
-import json
-import tomllib
 from collections.abc import Collection
 from contextlib import suppress
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.errors import ScenarioError, nearest, reason
+from bridge.errors import ScenarioError, nearest
 from bridge.scenario.law_file import with_place
 from bridge.scenario.matrices_file import note_change, with_matrices, without_origin
 from bridge.scenario.units import quantity
+from bridge.scenario.untrusted import LONGEST_TABLE, MOST_FILES, parsed_json, parsed_toml, text_of
 
 UNION_SECTIONS = ("controller", "reference")  # whose `kind` says what else stands in them
 GATHERED = ("timeline", "fault", "alarm", "expect")  # lists that a piece of a scenario adds to
@@ -51,20 +50,26 @@ def listed(name: str) -> Listed:
 
 def plain(which: str) -> dict[str, Any]:
     """The plain data of a built-in scenario or of a file, by whatever name. Raises ScenarioError."""
-    data = _read(which, ())
+    data = _read(which, (), [])
     data["name"] = data.get("name", Path(which).stem)
     return data
 
 
-def _read(which: str, extended_by: tuple[str, ...]) -> dict[str, Any]:
-    """The plain data of a scenario, on top of what it extends: one, or several, each on top of those before."""
+def _read(which: str, extended_by: tuple[str, ...], read: list[str]) -> dict[str, Any]:
+    """The plain data of a scenario, on top of what it extends: one, or several, each on top of those before.
+
+    extended_by: the way to it; read: all that were read so far.
+    """
     data, folder, place = parsed(which)
+    read.append(place)
+    if len(read) > MOST_FILES:
+        raise ScenarioError(f"{which}: more than {MOST_FILES} files extend one another")
     if place in extended_by:
         raise ScenarioError(f"{which}: extends itself{_by_way_of(extended_by[extended_by.index(place) + 1 :])}")
     data = with_place(with_matrices(with_tables(data, folder), folder), folder)
     found: dict[str, Any] = {}
     for base in bases_of(data, folder):
-        found = _merged(found, _read(base, (*extended_by, place)))
+        found = _merged(found, _read(base, (*extended_by, place), read))
         found.pop("name", None)
     data.pop("extends", None)
     return with_own(found, data)
@@ -74,7 +79,7 @@ def parsed(which: str) -> tuple[dict[str, Any], Path, str]:
     """What a scenario itself says, the folder that its names of files start from, and the place that it is."""
     text, folder, place = _source(which)
     try:
-        data = json.loads(text) if which.endswith(".json") else tomllib.loads(text)
+        data = parsed_json(text) if which.endswith(".json") else parsed_toml(text)
     except ValueError as error:
         raise ScenarioError(f"{which}: cannot be read: {error}") from None
     if not isinstance(data, dict):
@@ -138,18 +143,8 @@ def _source(which: str) -> tuple[str, Path, str]:
         return (_built_in() / f"{which}.toml").read_text(encoding="utf-8"), Path(), which
     path = Path(which)
     if path.is_file():
-        return _text(path), path.parent, str(path.resolve())
+        return text_of(path), path.parent, str(path.resolve())
     raise ScenarioError(f"{which}: no such scenario or file{nearest(which, names())}")
-
-
-def _text(path: Path) -> str:
-    """A file of the user's: UTF-8 whatever the locale, with or without a mark at its beginning."""
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ScenarioError(f"{path}: is not UTF-8 at byte {error.start}; save it as UTF-8") from None
-    except OSError as error:
-        raise ScenarioError(reason(error)) from None
 
 
 def with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -159,7 +154,7 @@ def with_tables(data: dict[str, Any], folder: Path) -> dict[str, Any]:
         path = folder / name
         if not path.is_file():
             raise ScenarioError(f"reference.csv: no file {str(path)!r}")
-        return data | {"reference": reference | {"csv": _text(path)}}
+        return data | {"reference": reference | {"csv": text_of(path, LONGEST_TABLE)}}
     return data
 
 
@@ -199,9 +194,9 @@ def parsed_change(change: str) -> tuple[str, Any]:
 
 def _value(text: str) -> Any:
     """What stands behind the sign: TOML, JSON, or a text without its quotes."""
-    with suppress(tomllib.TOMLDecodeError):
-        return tomllib.loads(f"value = {text}")["value"]
+    with suppress(ValueError):
+        return parsed_toml(f"value = {text}")["value"]
     if text.strip()[:1] in ("[", "{"):
-        with suppress(json.JSONDecodeError):
-            return json.loads(text)
+        with suppress(ValueError):
+            return parsed_json(text)
     return text.strip()

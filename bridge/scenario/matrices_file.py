@@ -5,17 +5,19 @@ where they came from, until one of them is changed.
 """
 
 import hashlib
-import json
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from bridge.errors import ScenarioError, nearest
+from bridge.scenario.untrusted import LONGEST, parsed_json
 
 MATRICES = ("A", "B", "C", "D")
 NAMES = (*MATRICES, "dt", "inputs")
 NEEDED = ("D", "dt")
 NOTHING: dict[str, Any] = {"A": [], "B": [], "C": [[]], "inputs": ["error"]}  # of what a file need not have
+MOST_UNPACKED = 16_000_000  # bytes: a law with 1000 states
 KIND = "state-space"
 SAVE = "save it with save('law.mat', 'A', 'B', 'C', 'D', 'dt', '-v7')"
 
@@ -56,6 +58,8 @@ def _expanded(controller: dict[str, Any], folder: Path) -> dict[str, Any]:
     path = folder / name
     if not path.is_file():
         raise ScenarioError(f"controller.file {name!r}: there is no such file beside the scenario or in {Path.cwd()}")
+    if path.stat().st_size > LONGEST:
+        raise ScenarioError(f"controller.file {name!r}: is longer than {LONGEST} bytes, which no law's matrices need")
     kept = {key: value for key, value in controller.items() if key not in ("file", *NAMES)}
     origin = {"file": path.name, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
     return kept | NOTHING | matrices_of(path, name) | {"origin": origin}
@@ -135,9 +139,18 @@ def _words(value: Any) -> list[str]:
     return [str(word[0]).strip() for word in words]
 
 
+class _TooLargeError(ValueError):
+    """What a file unpacks to."""
+
+
+def _refuse_large(size: int) -> None:
+    if size > MOST_UNPACKED:
+        raise _TooLargeError(f"unpacks to {size} bytes; the matrices of a law have at most {MOST_UNPACKED}")
+
+
 def _json(path: Path) -> dict[str, Any]:
     try:
-        held = json.loads(path.read_text(encoding="utf-8"))
+        held = parsed_json(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise ValueError(f"is not JSON: {error}") from None
     if not isinstance(held, dict):
@@ -149,22 +162,30 @@ def _json(path: Path) -> dict[str, Any]:
 
 def _npz(path: Path) -> dict[str, Any]:
     import zipfile
+    import zlib
 
     import numpy as np
 
     try:
+        with zipfile.ZipFile(path) as packed:
+            _refuse_large(sum(entry.file_size for entry in packed.infolist()))
         with np.load(path, allow_pickle=False) as held:  # a pickle could run code
             return dict(held)
-    except (ValueError, EOFError, TypeError, AttributeError, zipfile.BadZipFile) as error:
+    except _TooLargeError:
+        raise
+    except (ValueError, MemoryError, zlib.error, EOFError, TypeError, AttributeError, zipfile.BadZipFile) as error:
         words = " ".join(str(error).split())
         raise ValueError(f"is not an archive of plain arrays: save it with numpy.savez ({words:.100})") from None
 
 
 def _mat(path: Path) -> dict[str, Any]:
-    from scipy.io import loadmat
+    from scipy.io import loadmat, whosmat
 
     try:
+        _refuse_large(sum(8 * math.prod(map(int, shape)) for _, shape, _ in whosmat(path)))
         held = loadmat(path)
+    except _TooLargeError:
+        raise
     except NotImplementedError:
         raise ValueError(f"is a MATLAB file of version 7.3, which is HDF5: {SAVE}") from None
     except Exception as error:  # of many kinds, from a reader of damaged bytes

@@ -29,15 +29,19 @@ KINDS_OF_VALUE = {  # beginnings of pydantic's names: what such a value is, and 
     "dict": ("a section", "[{where}], and its values below that"),
     "model": ("a section", "[{where}], and its values below that"),
 }
+MOST = 20  # mistakes that are told one by one
+LONGEST_LINE = 2000  # characters
 LONGEST = 80  # characters of a value that are shown
 
 
 def lines(error: "ValidationError") -> Iterator[str]:
     """What is wrong, the place first."""
-    for entry in error.errors():
-        place = [str(part) for part in entry["loc"]]
+    for entry in error.errors()[:MOST]:
+        place = [str(part)[:LONGEST] for part in entry["loc"]]
         where, said = _line(entry, place)
-        yield f"{where}: {said}" if where else said
+        yield (f"{where}: {said}" if where else said)[:LONGEST_LINE]
+    if (further := error.error_count() - MOST) > 0:
+        yield f"and {further} mistakes more"
 
 
 def untagged(place: list[str]) -> list[str]:

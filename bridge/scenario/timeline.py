@@ -1,6 +1,6 @@
 """What happens to a run while it goes on: `[[timeline]]` entries, in simulated time or on a condition."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from bridge.scenario.model import Scenario
 
 MOST_TIMES = 10_000
+MOST_TOGETHER = 100_000  # of all entries: each is planned before the run
 EVENTS = (
     *(EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.LATE, EventKind.MISSED, EventKind.REFUSED),
     *(EventKind.LATCHED, EventKind.DEGRADED, EventKind.RESTORED, EventKind.ALARM, EventKind.CLEARED),
@@ -61,7 +62,14 @@ class Item(NamedTuple):
 
 def plan(scenario: "Scenario") -> list[Item]:
     """The entries of a scenario. Raises ScenarioError that names the entry, what is wrong and the way out."""
+    refuse_many("timeline", scenario.timeline)
     return [_item(number, entry, scenario) for number, entry in enumerate(scenario.timeline, 1)]
+
+
+def refuse_many(what: str, entries: Sequence["Timed"]) -> None:
+    """Raises ScenarioError for entries that happen too often, all together."""
+    if (often := sum(entry.times for entry in entries)) > MOST_TOGETHER:
+        raise ScenarioError(f"{what}: its entries happen {often} times in all; at most {MOST_TOGETHER}")
 
 
 def _item(number: int, entry: Happening, scenario: "Scenario") -> Item:

@@ -15,6 +15,7 @@ class Unit(NamedTuple):
 
 
 MINUTE = 60.0
+LONGEST = 200  # characters of a number with its unit
 LARGEST = 1e15  # of an option, in SI: above it nothing is meant
 UNITS: dict[str, dict[str, Unit]] = {
     "s": {"s": Unit(1.0), "ms": Unit(1e-3), "us": Unit(1e-6), "ns": Unit(1e-9), "min": Unit(MINUTE), "h": Unit(3600.0)},
@@ -92,6 +93,8 @@ def spelled(text: str) -> str:
 
 def split(text: str) -> tuple[float, str]:
     """The number and the unit of a text such as "2.5 ms". Raises ValueError when there is no number."""
+    if len(text) > LONGEST:
+        raise ValueError(f"cannot read {text[:20]!r}..., {len(text)} characters: write a number with a unit")
     match = _NUMBER.fullmatch(spelled(text))
     if match is None:
         raise ValueError(f"cannot read {text!r}: write a number with a unit, such as '2.5 ms'")

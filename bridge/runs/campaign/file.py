@@ -1,14 +1,14 @@
 """A campaign file: TOML that names scenarios, faults, parameters, draws and seeds. Every mistake gets one line."""
 
-import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bridge.errors import UsageError, nearest, reason
+from bridge.errors import UsageError, nearest
 from bridge.runs.campaign.draws import Distribution, Draw, draw_of
 from bridge.runs.campaign.margins import MARGINS
 from bridge.scenario.units import quantity
+from bridge.scenario.untrusted import parsed_toml, text_of
 from bridge.wire.messages import Mode
 
 KEYS = {
@@ -31,7 +31,7 @@ DRAW_KEYS = ("runs", "seed", *map(str, Distribution))
 NAMES = {list: "a list", str: "a text", dict: "a table", int: "a whole number", bool: "true or false"}
 BASELINE = "none"  # the name of the column without a fault
 OWN = ("title", "scenarios")  # keys of a fault that are not of a scenario
-MOST_BYTES, MOST_PICTURES, MOST_SEED = 1_000_000, 100, 2**63
+MOST_PICTURES, MOST_SEED = 100, 2**63
 MODES = (Mode.INPROCESS, Mode.LOCKSTEP)
 
 
@@ -77,15 +77,9 @@ def read_campaign(path: Path) -> CampaignFile:
 
 def _toml(path: Path) -> dict[str, Any]:
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise UsageError(f"{path}: is larger than {MOST_BYTES} bytes, which no campaign needs")
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise UsageError(reason(error)) from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        return parsed_toml(text_of(path))
+    except ValueError as error:
         raise UsageError(f"{path}: cannot be read: {error}") from None
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: is not UTF-8 at byte {error.start}; save it as UTF-8") from None
 
 
 def known(table: Mapping[str, Any], valid: Collection[str], where: str) -> None:
