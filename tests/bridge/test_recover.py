@@ -40,7 +40,8 @@ def recovery(tmp_path):
         if written not in known:
             known.clear()
             known[written] = read_by_mcap(output)
-            assert len(known[written]) == sum(read(output).counts.values())
+            ours = read(output)  # wrong bits in a name may make a channel one of ours, which it does not fit
+            assert len(known[written]) == sum(ours.counts.values()) + ours.damage.unreadable
         assert done.messages == len(known[written])
         return done, known[written]
 
