@@ -179,17 +179,26 @@ class Look:
         self.frequency = sine_of(scenario)
         self.time = columns["stamp"] / NS
         followed = {"error": self.run.reference - self.run.position, "reference": self.run.reference}
-        balances = {name: balance(self.time, columns, circuit) for name, balance in BALANCES.items()}
-        self.signals = columns | balances | followed
+        self.signals = columns | followed
+        self._balance = lambda name: BALANCES[name](self.time, columns, circuit)  # not every drive has each
         self._own = signals_of(found, ("signals", CHANNELS_TOPIC))
         self.moments = moments(self.time, columns, circuit) | {START: 0.0, END: float(self.time[-1])}
 
     def series(self, band: WindowBand) -> tuple[NDArray, NDArray]:
         """Times [s] and values of what a band is about; empty for what the run does not have."""
+        if band.signal in BALANCES:
+            return self.time, self._balanced(band.signal)
         if not is_own(band):
             return self.time, self.signals[band.signal]
         signal = self._own.get(band.signal)
         return (np.array([]), np.array([])) if signal is None else (signal.stamp / NS, signal.value)
+
+    def _balanced(self, name: str) -> NDArray:
+        """A balance. Raises ScenarioError where the drive has no such one."""
+        try:
+            return self._balance(name)
+        except ValueError as error:
+            raise ScenarioError(f"expect: {error}") from None
 
     def unit(self, band: WindowBand) -> str:
         """Its unit, SI."""

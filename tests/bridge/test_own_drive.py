@@ -6,10 +6,14 @@ import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from bridge.runs.check import Look
+from bridge.runs.in_process import run_in_memory
 from bridge.scenario import ScenarioError, load, names
 from bridge.scenario.at_rest import holding_warnings, rest_facts
+from bridge.scenario.bands import parse_band
 from bridge.scenario.channels import rows_of
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.describe import values_of, warnings
@@ -17,6 +21,7 @@ from bridge.scenario.of_run import settings_of
 from bridge.scenario.origins import origins
 from bridge.scenario.plausible import missing_units
 from bridge.scenario.taps import legend
+from controller.bands import WindowBand
 from tests.support.command import hydrotwin_here
 from twin.circuit.parasitic import CLEAR, parasitic
 from twin.lines.volume import inertance
@@ -182,3 +187,20 @@ def test_the_page_of_the_press_and_its_scenario_say_the_same():
     step_2 = next(block for block in page.split("```toml\n")[1:] if "[rig.variable_pump]" in block).partition("```")[0]
     told = tomllib.loads(step_2)["rig"]
     assert told["variable_pump"]["leakage"] == rig["variable_pump"]["leakage"]
+
+
+def test_a_drive_without_a_force_balance_is_judged_by_its_other_bands():
+    """A lever has none: its bands on signals are judged all the same, and a band on the balance is refused."""
+    scenario = load("crane", ["duration='50 ms'"])
+    look = Look(run_in_memory(scenario), scenario)
+    assert look.series(window("min p_pump from start to end >= -1 bar"))[1].min() > -1e5
+    assert np.isfinite(look.series(window("max sink_balance from start to end <= 1 m/s"))[1]).all()
+    with pytest.raises(ScenarioError, match="force_balance is that of one mass"):
+        look.series(window("max force_balance from start to end <= 1 bar"))
+
+
+def window(text: str) -> WindowBand:
+    """A band on a signal over the whole run."""
+    band = parse_band(text)
+    assert isinstance(band, WindowBand)
+    return band
