@@ -154,7 +154,7 @@ def test_ctrl_c_ends_it_within_a_second_and_says_how_to_continue(tmp_path: Path)
     ("words", "answer"),
     [
         ("controller.gian=1:2:3", "controller.gian=1: unknown key; did you mean 'gain'"),
-        ("gain=1,2", "gain=1: unknown key"),
+        ("gain=1,2", "gain=1: does not belong here; write it under [controller]"),
         ("controller.gain=1:2", "write FROM:TO:COUNT"),
         ("controller.gain=-1:1:3:log", "even ratios"),
         ("controller.gain=2", "one value is not an axis"),

@@ -260,8 +260,8 @@ def test_coverage_lists_requirements_and_runs_nothing(tmp_path: Path):
 @pytest.mark.parametrize(
     ("expected", "complaint"),
     [
-        ('{id = "a b", band = "overshoot <= 5 %"}', "expect.0.requirement.id: string should match"),
-        ('{band = "overshoot <= 5 %"}', "expect.0.requirement.id: field required"),
+        ('{id = "a b", band = "overshoot <= 5 %"}', "expect.0.requirement.id: 'a b' has other characters"),
+        ('{band = "overshoot <= 5 %"}', "expect.0.requirement.id: missing; write it"),
         ('{id = "a", band = "overshot <= 5 %"}', "no metric 'overshot'; did you mean 'overshoot'"),
     ],
 )
