@@ -193,10 +193,10 @@ def test_a_drive_without_a_force_balance_is_judged_by_its_other_bands():
     """A lever has none: its bands on signals are judged all the same, and a band on the balance is refused."""
     scenario = load("crane", ["duration='50 ms'"])
     look = Look(run_in_memory(scenario), scenario)
-    assert look.series(window("min p_pump from start to end >= -1 bar"))[1].min() > -1e5
-    assert np.isfinite(look.series(window("max sink_balance from start to end <= 1 m/s"))[1]).all()
+    assert look.series(window("least p_pump from start to end >= -1 bar"))[1].min() > -1e5
+    assert np.isfinite(look.series(window("greatest sink_balance from start to end <= 1 m/s"))[1]).all()
     with pytest.raises(ScenarioError, match="force_balance is that of one mass"):
-        look.series(window("max force_balance from start to end <= 1 bar"))
+        look.series(window("greatest force_balance from start to end <= 1 bar"))
 
 
 def window(text: str) -> WindowBand:
