@@ -21,6 +21,7 @@ class Readings(dict[str, float]):
 
 
 NO_CHANNELS = Readings()
+CLOSING = 0.25  # of the rest, at which a valve that has opened shuts again; assumed, docs/campaigns.md
 
 
 class Sample(NamedTuple):
@@ -56,6 +57,7 @@ class Gains(NamedTuple):
     sample_period: float  # T [s], > 0
     limit: float  # of the spool reference, 0..1
     overlap: float  # of the valve lands to jump over, 0..1 of travel; 0.0: no dead-band compensation
+    rest: float = 0.0  # of h up to which a valve that is shut stays shut; 0.0: it is never at rest
 
 
 class UserGains(NamedTuple):
@@ -68,6 +70,7 @@ class UserGains(NamedTuple):
     sample_period: float
     limit: float
     overlap: float
+    rest: float
     parameters: Any  # by name, SI: as its module declares them, else what the scenario has under controller.parameters
 
 
@@ -96,6 +99,17 @@ class OpenLoopGains(NamedTuple):
     limit: float  # of the spool reference, 0..1
 
 
+class Jump(Protocol):
+    """How the dead band is jumped over: part of the gains of `pd` and `pid`."""
+
+    @property
+    def limit(self) -> float: ...
+    @property
+    def overlap(self) -> float: ...
+    @property
+    def rest(self) -> float: ...
+
+
 class Estimate(Protocol):
     """How the velocity is got: part of the gains of every law that needs it."""
 
@@ -110,6 +124,7 @@ class Estimate(Protocol):
 class Memory(NamedTuple):
     position: float  # [m], at the previous sample
     velocity: float  # [m/s], its estimate there
+    opened: bool = False  # was the valve told to leave its rest?
 
 
 Answer = tuple[float, Any] | tuple[float, Any, Any]  # spool, memory and, of a user's law, signals to be recorded
@@ -118,8 +133,10 @@ Law = Callable[[Sample, Target, Any, Any], Answer]  # memory is the law's own af
 
 def pd(sample: Sample, target: Target, memory: Memory | None, gains: Gains) -> tuple[float, Memory]:
     """Spool reference in proportion to h, dead band jumped over, then saturated."""
+    opened = memory is not None and memory.opened
     h, memory = pd_output(sample, target, memory, gains)
-    return saturate(compensate(h, gains.overlap), gains.limit), memory
+    u, opened = jumped(h, opened, gains)
+    return u, memory._replace(opened=opened)
 
 
 def relay(sample: Sample, target: Target, memory: Memory | None, gains: RelayGains) -> tuple[float, Memory]:
@@ -181,6 +198,19 @@ def _filtered(sample: Sample, memory: Memory | None, gains: Estimate) -> float:
 def compensate(u: float, overlap: float) -> float:
     """Spool reference that opens the valve as a valve without overlap would at u: the lands are jumped over."""
     return sign(u) * (overlap + (1.0 - overlap) * abs(u))
+
+
+def jumped(h: float, opened: bool, gains: Jump) -> tuple[float, bool]:
+    """The spool reference of h, the dead band jumped over, then saturated; and whether the valve has left its rest.
+
+    A valve that jumps at every change of the sign of h never rests: noise of one reading sends it from land to land.
+    With `rest` it is shut until |h| exceeds that, and shut again when |h| has come down to CLOSING of it.
+    """
+    u = saturate(compensate(h, gains.overlap), gains.limit)
+    if gains.rest == 0.0:
+        return u, False
+    opened = not abs(h) <= gains.rest * (CLOSING if opened else 1.0)  # in this order a NaN stays NaN
+    return (u if opened else 0.0), opened
 
 
 def saturate(u: float, limit: float) -> float:

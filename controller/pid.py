@@ -15,7 +15,7 @@ across the gap, so at the target the valve stays where the safe state put it.
 import math
 from typing import NamedTuple
 
-from controller.law import Memory, Sample, compensate, saturate, velocity
+from controller.law import Memory, Sample, jumped, saturate, velocity
 from controller.reference import Target
 
 BACK_CALCULATION, CLAMPING = "back-calculation", "clamping"  # and "none"
@@ -35,6 +35,7 @@ class PidGains(NamedTuple):
     overlap: float  # of the valve lands to jump over, 0..1 of travel; 0.0: no dead-band compensation
     anti_windup: str  # "back-calculation" | "clamping" | "none"
     tracking_time: float  # T_t [s], >= T, of back-calculation
+    rest: float = 0.0  # of w up to which a valve that is shut stays shut, as in Gains
 
 
 class PidMemory(NamedTuple):
@@ -48,8 +49,8 @@ def pid(sample: Sample, target: Target, memory: PidMemory | None, gains: PidGain
     integral = memory.integral if memory else 0.0
     error = target.position - sample.position
     w = gains.proportional * error + integral - gains.derivative * v + gains.feed_forward * target.velocity
-    u = saturate(compensate(w, gains.overlap), gains.limit)
-    return u, PidMemory(Memory(sample.position, v), _next(integral, error, w, gains))
+    u, opened = jumped(w, memory is not None and memory.motion.opened, gains)
+    return u, PidMemory(Memory(sample.position, v, opened), _next(integral, error, w, gains))
 
 
 def reach(gains: PidGains) -> float:

@@ -101,6 +101,15 @@ class WithGains(WithVelocity, WithOverlap):
 
     gain: ProportionalGain = Field(default="1.0 V/%", description="proportional, on the position error")
     derivative: DerivativeGain = Field(default="0.0 V s/%", description="on the piston's velocity")
+    overlap_rest: Fraction = Field(
+        default=0.0, ge=0.0, le=0.5, description="of the command, up to which a shut valve stays shut; 0: never"
+    )
+
+    @model_validator(mode="after")
+    def _jumps(self) -> "WithGains":
+        if self.overlap_rest > 0.0 and not self.compensate_overlap:
+            raise MisplacedError("overlap_rest", "only a valve that jumps needs rest: set compensate_overlap = true")
+        return self
 
 
 class PdGains(WithGains):
@@ -119,6 +128,7 @@ class PdGains(WithGains):
             sample_period=scale.sample_period,
             limit=self.limit,
             overlap=self.jumped_share * scale.overlap,
+            rest=self.overlap_rest,
         )
 
 
@@ -153,6 +163,7 @@ class Pid(WithGains):
             overlap=self.jumped_share * scale.overlap,
             anti_windup=self.anti_windup,
             tracking_time=self._tracking(proportional, numbers["integral"], scale.sample_period),
+            rest=self.overlap_rest,
         )
 
     def _tracking(self, proportional: float, integral: float, period: float) -> float:

@@ -49,10 +49,12 @@ def test_the_spool_moves_by_its_exact_matrix(zeta: float):
     assert np.array(pace_of(valve, 3e-4)[1:]).reshape(2, 2) == pytest.approx(exact, rel=1e-6)
 
 
-@pytest.mark.parametrize("source", ["measured", "backward", "filtered"])
-def test_a_linear_law_moves_the_drive_as_the_law_itself(source: str):
-    own = Gains(60.0, 0.4, source, 0.02, WHEN.period, 0.9, 0.1)
-    law = pd_law(60.0, 0.4, source, 0.02, WHEN.period, 0.9, 0.1)
+@pytest.mark.parametrize(
+    ("source", "rest"), [("measured", 0.0), ("backward", 0.0), ("filtered", 0.0), ("filtered", 0.3)]
+)
+def test_a_linear_law_moves_the_drive_as_the_law_itself(source: str, rest: float):
+    own = Gains(60.0, 0.4, source, 0.02, WHEN.period, 0.9, 0.1, rest)
+    law = pd_law(60.0, 0.4, source, 0.02, WHEN.period, 0.9, 0.1, rest)
     _, found = run_linear(DRIVE, START, law, 0.05, WHEN, EXACT, 1)
     _, asked = run_asking(DRIVE, START, asking(pd, own), 0.05, WHEN, EXACT, 1)
     assert np.ptp(found) > 0.04

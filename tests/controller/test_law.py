@@ -185,3 +185,28 @@ def test_volts_per_percent_of_the_rig():
 @given(s=st.floats(1e-3, 1e3), stroke=st.floats(0.01, 10.0), full_scale=st.floats(1.0, 100.0))
 def test_gain_units_go_there_and_back(s: float, stroke: float, full_scale: float):
     assert volts_per_percent(per_metre(s, stroke, full_scale), stroke, full_scale) == pytest.approx(s)
+
+
+RESTING = GAINS._replace(overlap=0.1, rest=0.02)
+
+
+def test_a_resting_valve_opens_beyond_its_rest_and_shuts_at_a_quarter_of_it():
+    """h = 10 e: shut up to 2 mm, open down to 0.5 mm, and then shut up to 2 mm again; open it jumps as ever."""
+    memory, found = None, []
+    for error in (1.9e-3, 2.1e-3, 1.0e-3, 0.6e-3, 0.4e-3, 1.9e-3, -2.1e-3):
+        u, memory = pd(sample(0.1, 0.0), Target(0.1 + error, 0.0), memory, RESTING)
+        found.append(u)
+        if u != 0.0:
+            assert u == pytest.approx(compensate(10.0 * error, 0.1))
+    assert [u != 0.0 for u in found] == [False, True, True, True, False, False, True]
+
+
+def test_a_reading_that_is_not_a_number_is_no_rest():
+    assert math.isnan(pd(sample(math.nan, 0.0), Target(0.1, 0.0), None, RESTING)[0])
+
+
+def test_without_rest_every_command_jumps():
+    for error in (1e-9, -1e-9, 0.0, 1e-3):
+        h = GAINS.proportional * (0.1 + error - 0.1)
+        jumping = GAINS._replace(overlap=0.1)
+        assert pd(sample(0.1, 0.0), Target(0.1 + error, 0.0), None, jumping)[0] == compensate(h, 0.1)

@@ -12,7 +12,7 @@ from bridge.runs.campaign.file import Fault
 from bridge.runs.campaign.matrix import Matrix, Run, fault_of
 from bridge.runs.campaign.places import number_at, numbers_in, on_grid
 from bridge.scenario.tunable import tunables
-from bridge.scenario.units import split
+from bridge.scenario.units import UNITS, split
 from bridge.studies.sweep.journal import Point, Result
 
 if TYPE_CHECKING:
@@ -33,8 +33,10 @@ class Wish(NamedTuple):
     step: float  # [s], the grid of times
 
     def text(self, number: float) -> str:
-        """As a scenario takes it."""
-        return f"{on_grid(number, self.unit, self.step):.{DIGITS}g} {self.unit}".rstrip()
+        """As a scenario takes it; of a time at least one step."""
+        if self.unit in UNITS["s"]:
+            number = max(on_grid(number, self.unit, self.step), self.step / UNITS["s"][self.unit].factor)
+        return f"{number:.{DIGITS}g} {self.unit}".rstrip()
 
     @property
     def words(self) -> str:
@@ -116,8 +118,6 @@ def _harmless(fault: Fault, place: str, written: str, matrix: Matrix) -> str:
 
 def _in_unit(value: float, si_unit: str, unit: str) -> float | None:
     """A number in SI in another unit of it; None where that is not one."""
-    from bridge.scenario.units import UNITS
-
     one = UNITS.get(si_unit, {}).get(unit or si_unit)
     return None if one is None else (value - one.offset) / one.factor
 
@@ -139,7 +139,7 @@ class _Search:
     def learn(self, value: float, results: list[Result]) -> None:
         """What the runs with a value came to."""
         if broken := next(filter(None, map(_broken, results)), ""):
-            self.breaks, self.band = value, broken
+            self.breaks, self.band = (value, broken) if self.keeps is not None or not self.band else (value, self.band)
         else:
             self.keeps = value
 

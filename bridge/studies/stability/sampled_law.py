@@ -134,7 +134,7 @@ def scaled(law: Law, factor: float) -> Law:
 def _linear(own: Any) -> LinearLaw:
     """A law of ours with gains: PD, or PID by its further numbers."""
     timing = own.source, own.filter_time, own.sample_period
-    law = pd_law(own.proportional, own.derivative, *timing, own.limit, own.overlap)
+    law = pd_law(own.proportional, own.derivative, *timing, own.limit, own.overlap, own.rest)
     if not hasattr(own, "integral"):
         return law
     back = own.sample_period / own.tracking_time if own.anti_windup == "back-calculation" else 0.0

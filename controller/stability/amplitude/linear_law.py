@@ -4,10 +4,10 @@ At each sample, w = (reference, position, velocity) as the card reads them, and
 
     h = c z + d w,      z <- a z + b w + e (u - h).
 
-What the law does to h before the valve gets it is one of two: jump the overlap and saturate (proportional), or full
-limit in the direction of h (relay). u is h cut to what the valve can follow, and e brings the memory back when it
-cannot (back-calculation); a clamped memory rests instead, while it would drive h further. Positions count from where
-the run starts, so z is 0 at the first sample.
+What the law does to h before the valve gets it is one of two: jump the overlap and saturate (proportional), nothing
+while the valve rests, or full limit in the direction of h (relay). u is h cut to what the valve can follow, and e
+brings the memory back when it cannot (back-calculation); a clamped memory rests instead, while it would drive h
+further. Positions count from where the run starts, so z is 0 at the first sample.
 """
 
 import math
@@ -37,6 +37,7 @@ class LinearLaw(NamedTuple):
     limit: float  # of the spool reference
     overlap: float  # jumped over; 0.0: nothing is
     relay: bool
+    rest: float = 0.0  # of h up to which a valve that is shut stays shut; 0.0: it is never at rest
 
 
 def of_error(
@@ -72,18 +73,25 @@ def of_signals(
 
 
 def pd_law(
-    gain: float, derivative: float, source: str, filter_time: float, period: float, limit: float, overlap: float
+    gain: float,
+    derivative: float,
+    source: str,
+    filter_time: float,
+    period: float,
+    limit: float,
+    overlap: float,
+    rest: float = 0.0,
 ) -> LinearLaw:
     """h = P e - D v, the velocity from a tachometer ("measured"), a difference, or a filtered one, as the law's own."""
     if source == "measured":
         law = of_error(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0, gain, limit, overlap)
-        return law._replace(d=law.d + np.array([0.0, 0.0, -derivative]))
+        return law._replace(d=law.d + np.array([0.0, 0.0, -derivative]), rest=rest)
     kept = math.exp(-period / filter_time) if source == "filtered" and filter_time > 0.0 else 0.0
     share = (1.0 - kept) / period
     # z = (last position, last estimate)
     a, b = np.array([[0.0, 0.0], [-share, kept]]), np.array([[0.0, 1.0, 0.0], [0.0, share, 0.0]])
     d = gain * ERROR - derivative * b[1]
-    return LinearLaw(a, b, -derivative * a[1], d, np.zeros(2), NOT_CLAMPED, limit, overlap, False)
+    return LinearLaw(a, b, -derivative * a[1], d, np.zeros(2), NOT_CLAMPED, limit, overlap, False, rest)
 
 
 def relay_law(derivative_time: float, source: str, filter_time: float, period: float, limit: float) -> LinearLaw:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.law import Sample
+from controller.law import CLOSING, Sample
 from controller.stability.amplitude.drive import Drive, DriveState, Into, Pace, advance, pace_of
 from controller.stability.amplitude.linear_law import LinearLaw
 from twin.actuator import chamber_pressures, stored_oil
@@ -85,6 +85,7 @@ def run_linear(
     z = np.zeros(len(law.c))
     counts = np.array([*spans.steps, *spans.every, spans.whole, samples, seed])
     numbers = np.array([law.limit, law.overlap, float(law.relay), law.clamped, s.position, size, when.at, when.period])
+    numbers = np.append(numbers, (law.rest, 0.0))  # and whether the valve has left its rest
     a, b, c, direct, back = (np.ascontiguousarray(m, float) for m in (law.a, law.b, law.c, law.d, law.back))
     ring = np.zeros(spans.whole + 1)
     n = _run(d, *spans.paces, s, counts, numbers, a, b, c, direct, back, z, np.zeros(len(z)), ring, card, rows)
@@ -143,6 +144,10 @@ def _answer(numbers, a, b, c, d, back, z, then, target: float, x: float, v: floa
         return 0.0
     if numbers[2] == 1.0:
         return math.copysign(limit, h)
+    if numbers[8] != 0.0:
+        numbers[9] = 1.0 if abs(h) > numbers[8] * (CLOSING if numbers[9] == 1.0 else 1.0) else 0.0
+        if numbers[9] == 0.0:
+            return 0.0
     u = math.copysign(overlap + (1.0 - overlap) * abs(h), h)
     return max(min(u, limit), -limit)
 
