@@ -33,7 +33,7 @@ def test_each_kind_knows_its_own_parameters(kind: str):
         (["controller.derivative=2", "controller.kind=relay"], "give controller.derivative_time"),
         (["controller.kind=open-loop", "controller.gain=1"], "kind 'open-loop' does not have it, but 'pd'"),
         (["controller.kind=pd", "controller.derivative_time=1"], "kind 'pd' does not have it, but 'relay'"),
-        (["controller.kind=python"], "controller.law: field required"),
+        (["controller.kind=python"], "controller.law: missing; kind 'python' needs it"),
     ],
 )
 def test_a_parameter_of_another_kind_is_refused_in_any_order(changes: list[str], said: str):
