@@ -25,6 +25,7 @@ KINDS = (  # the first text that is in a line says what it means
     (b"zenoh_link_tls", "certificate", Excess.CONNECTION),
     (b"Invalid password", "password", Excess.CONNECTION),
     (b"Invalid user", "user", Excess.CONNECTION),
+    (b"New transport link accepted", "", None),
     (b"establishment::accept", "peer", Excess.CONNECTION),
     (b"Msg intercepted!", "message", Excess.DENIED),
     (b"routing::interceptor", "", None),

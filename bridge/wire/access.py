@@ -15,6 +15,7 @@ JOINS = "declare_subscriber", "liveliness_query", "declare_liveliness_subscriber
 ANSWERS = "scenario", "parameters", "parameters/set", "fault"  # queries that a plant answers
 OPEN_QUERIES = "scenario", "parameters"  # those of them that change nothing
 ORDERS = "parameters/set", "fault"  # those that change the rig
+SAVING = "recorder/save"  # the query by which somebody triggers a recorder
 TARGET = "target"  # of a live reference
 USERS = "users.txt"  # of the one that listens: names and passwords
 
@@ -55,10 +56,12 @@ def rights(role: Role) -> Rights:
     puts = tuple(topic.name for topic in TOPICS.values() if topic.publisher == role)
     if role is Role.OPERATOR:
         orders = tuple(topic.name for topic in TOPICS.values() if topic.publisher == "anybody")
-        return Rights((*orders, TARGET), ORDERS)
+        return Rights((*orders, TARGET), (*ORDERS, SAVING))
     if role is Role.PLANT:
         return Rights((*puts, "status"), answers=ANSWERS)
-    return Rights((*puts, "status")) if role in (Role.CONTROLLER, Role.RECORDER) else Rights()
+    if role is Role.RECORDER:
+        return Rights((*puts, "status"), answers=(SAVING,))
+    return Rights((*puts, "status")) if role is Role.CONTROLLER else Rights()
 
 
 def member(role: Role, identity: Identity, password: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import pytest
 import zenoh
 
 from bridge.machine import certificates
-from bridge.wire.access import MEMBERS, Role, rights
+from bridge.wire.access import MEMBERS, SAVING, Role, rights
 from bridge.wire.limits import MESSAGE
 from bridge.wire.link import Link, LinkError, free_endpoint, open_session
 from bridge.wire.messages import TOPICS
@@ -83,7 +83,7 @@ def test_a_role_is_heard_where_it_has_the_right_and_nowhere_else(net, role):
         wait_for(lambda: list(session.get("rig/scenario", payload="waits", timeout=0.5)), 5.0)
         heard = try_everything(net, session, role)
     puts, queries, _ = rights(role)
-    assert heard == {*puts, *queries, "scenario", "parameters"}
+    assert heard == {*puts, *queries, "scenario", "parameters"} - {SAVING}  # the recorder hears that
 
 
 def test_only_the_controller_commands_and_only_the_operator_changes():

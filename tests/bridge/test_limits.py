@@ -168,6 +168,7 @@ def test_a_plant_and_its_recorder_count_what_they_turn_away(tmp_path):
         (b"DEBUG zenoh_transport::unicast::establishment::accept: UsrPwd. Invalid password. at", ("password", True)),
         (b"DEBUG zenoh_transport::unicast::establishment::accept: UsrPwd. Invalid user. at", ("user", True)),
         (b"DEBUG zenoh_transport::unicast::establishment::accept: Max transports", ("peer", True)),
+        (b"DEBUG zenoh_transport::unicast::establishment::accept: New transport link accepted from", ("", False)),
         (b"TRACE zenoh::net::routing::interceptor: Msg intercepted!", ("message", True)),
         (b"TRACE zenoh::net::routing::interceptor: New", ("", False)),
         (b"hydrotwin: routing on tls/127.0.0.1:7447", None),

@@ -15,6 +15,7 @@ from bridge.errors import RunError
 from bridge.machine.process import NOTE, Stop
 from bridge.processes.contact import Contact
 from bridge.processes.recorder.run_file import Arrival, Request, RunFile
+from bridge.wire.access import SAVING
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.guide import TOKEN
 from bridge.wire.limits import WAITING_BYTES, WAITING_RECORDS
@@ -25,7 +26,6 @@ from controller.grid import NS
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
 YIELDING = 5  # niceness: the loop's own processes come first
 PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
-SAVE = "recorder/save"  # asked for, it is a trigger
 
 
 class RecorderProcess:
@@ -56,7 +56,7 @@ class RecorderProcess:
         for topic in TOPICS:
             if self.request.follows(topic):
                 bus.subscribe(topic, lambda sample, topic=topic: self._keep(topic, sample))
-        bus.answer(SAVE, self._save)
+        bus.answer(SAVING, self._save)
         bus.watch()
         self._contact = Contact(bus)
 
