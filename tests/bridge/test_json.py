@@ -34,7 +34,9 @@ ALONE = {  # what each verb is called with; FILE is a recording
         "t.toml",
         "--json",
     ),
+    "campaign": ("CAMPAIGN", "-o", "campaign", "--workers", "1", "--json"),
     "scenarios": ("--json",),
+    "faults": ("--json",),
     "describe": ("step", "--json"),
     "convergence": ("step", *SHORT, "--json"),
     "linearise": ("step", "--json"),
@@ -57,7 +59,8 @@ ALONE = {  # what each verb is called with; FILE is a recording
     "valve chatter": ("--json",),
     "valve chart": ("--cells", "2", "--workers", "1", "--json"),
 }
-ON_A_BUS = {"plant", "record", "reset", "replay", "remote", "get", "set", "watch"}
+CAMPAIGN = 'scenarios = ["step"]\n[common]\nduration = "0.1 s"\n'
+ON_A_BUS = {"plant", "record", "reset", "replay", "remote", "get", "set", "fault", "watch"}
 
 
 def verbs(command: object, name: str = "") -> Iterator[str]:
@@ -81,7 +84,9 @@ def test_no_verb_is_forgotten():
 @pytest.mark.parametrize("verb", ALONE)
 def test_a_verb_prints_json_alone(verb: str, recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-    words = [str(recorded) if word == "FILE" else word for word in (*verb.split(), *ALONE[verb])]
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
+    files = {"FILE": str(recorded), "CAMPAIGN": "campaign.toml"}
+    words = [files.get(word, word) for word in (*verb.split(), *ALONE[verb])]
     done = CliRunner().invoke(app, words)
     assert done.exit_code in (0, 1), done.output
     assert json.loads(done.stdout)
