@@ -189,6 +189,16 @@ def test_the_campaigns_of_the_page_can_be_run(tmp_path: Path, text: str):
     refuse(found, runs_of(found))
 
 
+def test_the_campaign_of_our_own_weaknesses_can_be_run():
+    found = matrix_of(read_campaign(ROOT / "examples/campaigns/weaknesses.toml"))
+    assert len(runs_of(found)) == 2 * 10 * 2 * 5
+    assert [wish.words for wish in wishes_of(found.file.shrink, found)] == [
+        "pump-stops.timeline.1.lasts",
+        "glitch.timeline.1.to",
+    ]
+    refuse(found, runs_of(found))
+
+
 def test_the_page_names_every_key():
     assert [key for key in KEYS if f"`{key}" not in PAGE and f", `{key}`" not in PAGE] == []
 

@@ -200,6 +200,10 @@ def test_draws_give_shares_with_intervals_and_a_share_to_accept(tmp_path: Path):
         ("scenarios = ['step']\nmode = 'realtime'", "mode: 'realtime' is unknown"),
         ("scenarios = ['step']\naccept = '200 %'", "is not a share"),
         ("scenarios = ['step']\ncommon.expect = ['overshot <= 5 %']", "did you mean 'overshoot'"),
+        (
+            "scenarios = ['step']\nfaults.a.fault = [{target = 'process.recorder', kind = 'crash', at = '1 s'}]",
+            "faults of processes need real time",
+        ),
         ("scenarios = [", "cannot be read"),
     ],
 )

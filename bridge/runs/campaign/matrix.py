@@ -12,6 +12,7 @@ from bridge.runs.campaign.made import scenario_of
 from bridge.runs.campaign.places import number_at, on_grid
 from bridge.runs.sweep.axes import Axis, axes_from
 from bridge.scenario import Scenario, check
+from bridge.scenario.faults import PROCESS_OF, planned
 from bridge.scenario.files import plain, with_piece
 from bridge.scenario.measures import Measure, measures_of, refuse_outside
 from bridge.studies.sweep.journal import Point
@@ -184,6 +185,7 @@ def refuse(matrix: Matrix, runs: Sequence[Run]) -> None:
             scenario = scenario_of(point, matrix.bases, matrix.pieces)
             refuse_windows(scenario)
             refuse_outside(matrix.measures, scenario)
+            _refuse_process_faults(scenario)
             if count < MOST_BUILT:
                 ready_to_run(scenario)
         except UsageError as error:
@@ -191,6 +193,15 @@ def refuse(matrix: Matrix, runs: Sequence[Run]) -> None:
             where = [run.scenario, *([f"faults.{run.fault}"] if matrix.pieces[run.fault] else [])]
             where += [change for change in point["changes"] if not change.startswith("seed=")]
             raise UsageError(f"{', '.join(where)}: {line}") from None
+
+
+def _refuse_process_faults(scenario: Scenario) -> None:
+    for fault in planned(scenario):
+        if fault.target.startswith(f"{PROCESS_OF}."):
+            raise UsageError(
+                f"fault {fault.name}: faults of processes need real time, which campaigns do not have; "
+                "take a fault of the link, such as kind 'freeze'"
+            )
 
 
 def middle(matrix: Matrix, run: Run) -> Point:
