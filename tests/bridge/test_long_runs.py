@@ -16,6 +16,7 @@ from bridge.scenario import Scenario, load
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.link import free_endpoint
 from tests.support.processes import LOOSE, UNDRAWN, child, started
+from tests.support.two_sides import words_of
 from twin.cylinder import Cylinder
 
 PERIOD = 4.0  # [s] of the scenario `sine`
@@ -46,9 +47,9 @@ def resident(pid: int) -> float:
 
 
 def watched(path: Path, seconds: float) -> dict[str, Memory]:
-    """A run of `square` in real time with recorder and view; the memory of each process."""
+    """A run of `square` in real time with recorder and view, whose file is 80 MB a minute; memory of each process."""
     endpoint = free_endpoint()
-    words = ("run", "square", "--duration", f"{seconds:g}", "--listen", endpoint, "--record", str(path))
+    words = ("run", "square", "--duration", f"{seconds:g}", "--listen", endpoint, "--record", str(path), "--fifo")
     view = ("view", "--connect", endpoint, "--save", str(path.with_suffix(".rrd")), "--patience", "60")
     with started(*words, *LOOSE, *UNDRAWN, cwd=path.parent) as run, started(*view, cwd=path.parent) as viewer:
         pids = {role: child(run.pid, role, 60.0) for role in ROLES[:-1]} | {"view": viewer.pid}
@@ -60,8 +61,8 @@ def watched(path: Path, seconds: float) -> dict[str, Memory]:
             for role, pid in pids.items():
                 samples[role].append(resident(pid))
             time.sleep(seconds / 200)
-        assert viewer.wait(60) == 0
-        assert run.wait(60 + 0.2 * seconds) == 0
+        assert viewer.wait(60) == 0, words_of(viewer)
+        assert run.wait(60 + 0.2 * seconds) == 0, words_of(run)
         assert run.stdout is not None
         path.with_suffix(".json").write_text(run.stdout.read())
     return {role: _memory([each for each in found if each]) for role, found in samples.items()}
