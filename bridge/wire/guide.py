@@ -22,7 +22,8 @@ prints the header of a law in C). A controller of your own, in any language that
  2. Subscribe to <rig>/measurement.
  3. Query <rig>/scenario. A query that ends without a reply means "not yet": the plant listens before it answers, so
     repeat it; without an answer for 3 s close the session and open a new one. The answer is JSON: run_id (decimal, as
-    text), mode ("realtime" or "lockstep"), speed (simulated over wall time), tick (where the run stands) and scenario.
+    text; the same for the same seed and rig), mode ("realtime" or "lockstep"), speed (simulated over wall time), tick
+    (where the run stands) and scenario.
     In scenario.loop, in seconds: sample_period, offset and delay of the controller, daq_period (from measurement to
     measurement) and step (of the simulation). Whoever starts later than the plant finds it the same way.
     scenario.reference is what the run is to follow: kind "constant" holds value [m]; "step" goes from start to end [m]
@@ -44,8 +45,10 @@ prints the header of a law in C). A controller of your own, in any language that
     0, sequence counting your commands from 0, apply_at = sample_stamp + delay, spool from -1 to 1; positive lifts.
     In lockstep the plant waits for each of them, --patience seconds: publish with congestion control "block". In real
     time a command should come before apply_at: a later one still acts, at once, and counts as late; one older than that
-    in force is refused as stale. So after a stall answer the newest sample alone. Publish with the congestion control
-    that stands above under "in real time".
+    in force is refused as stale. So after a stall, when measurements wait for you whose apply_at (stamp + delay) lies
+    before the newest stamp that you have, answer the newest sample alone. Samples without an answer count as missing:
+    of late and missing commands together scenario.real_time.late_commands says which share a good run may have.
+    Publish with congestion control "drop" then.
  6. Attach 16 bytes to each message, two numbers little endian (`struct` <qQ): the stamp of the measurement that it
     answers (int64) and the sequence that stands in the message (uint64). Without this a command and a reference are
     recorded all the same, messages of other types are not.
@@ -55,14 +58,18 @@ prints the header of a law in C). A controller of your own, in any language that
     What else you want to have recorded goes on <rig>/signals, with the same head: names (letters, digits and _, the
     same in every message), units and values, three lists of one length. Lines for people go on <rig>/said, as an Event
     of kind said with your source.
- 8. Read <rig>/event. `refused` with your source says why a command was not taken: {REASONS}. The first hundred of a
-    kind are events; `missed` names further ones, and commands that never came or came after the end. `second
+ 8. Read <rig>/event. `refused` with your source says why a command was not taken; its text begins with the reason and a
+    colon: {REASONS}.
+    The first hundred of a kind are events; `missed` names further ones, and commands that never came or came after the end. `second
     controller` means that the plant belongs to somebody else: leave. `safe`: commands do not act any more, and the
     valve does what scenario.safety.on_trip says, since an alarm of the scenario has come or no command came for
     scenario.loop.command_timeout. The first command of all ends that, and later ones once the alarm is gone, unless
     scenario.loop.after_timeout is "latch" or the alarm latches: then every command is refused until somebody says
     reset, `hydrotwin reset` or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment; the sequence goes on counting.
+    No event but `safe` says that it is latched: the phase of <rig>/status does, and the refusals. Go on sending
+    meanwhile, in lockstep the plant waits for it; whether to reset is for a person to say.
  9. The run is over when <rig>/status comes with role plant and another phase than running, degraded, safe or latched.
+    Wait for that and not for the event `ended`, which may be lost; the phase is no verdict on the run.
     If the plant dies no status comes: its liveliness token <rig>/alive/plant/* is gone then.
 
 Faults of the link (scenario.fault with a target link.measurement or link.command) let measurements come late, twice,
