@@ -58,16 +58,15 @@ prints the header of a law in C). A controller of your own, in any language that
     What else you want to have recorded goes on <rig>/signals, with the same head: names (letters, digits and _, the
     same in every message), units and values, three lists of one length. Lines for people go on <rig>/said, as an Event
     of kind said with your source.
- 8. Read <rig>/event. `refused` with your source says why a command was not taken; its text begins with the reason and a
-    colon: {REASONS}.
-    The first hundred of a kind are events; `missed` names further ones, and commands that never came or came after the end. `second
-    controller` means that the plant belongs to somebody else: leave. `safe`: commands do not act any more, and the
-    valve does what scenario.safety.on_trip says, since an alarm of the scenario has come or no command came for
-    scenario.loop.command_timeout. The first command of all ends that, and later ones once the alarm is gone, unless
-    scenario.loop.after_timeout is "latch" or the alarm latches: then every command is refused until somebody says
-    reset, `hydrotwin reset` or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment; the sequence goes on counting.
-    No event but `safe` says that it is latched: the phase of <rig>/status does, and the refusals. Go on sending
-    meanwhile, in lockstep the plant waits for it; whether to reset is for a person to say.
+ 8. Read <rig>/event. `refused` with your source says why a command was not taken; its text begins with the reason and
+    a colon: {REASONS}. The first hundred of a kind are events; `missed` names further ones, and commands that never
+    came or came after the end. `second controller` means that the plant belongs to somebody else: leave. `safe`:
+    commands do not act any more, and the valve does what scenario.safety.on_trip says, since an alarm of the scenario
+    has come or no command came for scenario.loop.command_timeout. The first command of all ends that, and later ones
+    once the alarm is gone, unless scenario.loop.after_timeout is "latch" or the alarm latches: then every command is
+    refused until somebody says reset, `hydrotwin reset` or 5 bytes ({HEADER} 00) on <rig>/reset, without attachment;
+    the sequence goes on counting. No event but `safe` says that it is latched: the phase of <rig>/status does, and the
+    refusals. Go on sending meanwhile, in lockstep the plant waits for it; whether to reset is for a person to say.
  9. The run is over when <rig>/status comes with role plant and another phase than running, degraded, safe or latched.
     Wait for that and not for the event `ended`, which may be lost; the phase is no verdict on the run.
     If the plant dies no status comes: its liveliness token <rig>/alive/plant/* is gone then.
