@@ -51,9 +51,10 @@ def asked_for(payload: bytes, scenario: Scenario) -> Asked:
     if not isinstance(asked, dict) or not isinstance(asked.get("set"), dict) or not asked["set"]:
         raise UsageError('send {"set": {"controller.gain": "1.5 V/%"}}, and "over": "1 s" for a ramp')
     try:
-        over = to_ns(quantity(asked.get("over", 0.0), "s"))
-    except ValueError as error:
+        seconds = quantity(asked.get("over", 0.0), "s")
+    except (ValueError, OverflowError) as error:
         raise UsageError(f"over: {error}") from None
+    over = to_ns(seconds) if math.isfinite(seconds) else -1
     if not 0 <= over <= LONGEST_RAMP:
         raise UsageError(f"over = {asked['over']!r}: from 0 to {LONGEST_RAMP / NS:g} s")
     return Asked({name: in_si(value, tunable(name, scenario), scenario) for name, value in asked["set"].items()}, over)
@@ -75,6 +76,6 @@ def described(values: Mapping[str, tuple[Tunable, float]], payload: bytes) -> di
     if not isinstance(names, list):
         raise UsageError('send a list of names, such as ["controller.gain"], or nothing for all')
     for name in names:
-        if name not in values:
-            raise UsageError(f"{name!r} is not a number that can change during a run")
+        if not isinstance(name, str) or name not in values:
+            raise UsageError(f"{name!r:.100} is not a number that can change during a run")
     return {"parameters": [values[name][0]._asdict() | {"value": values[name][1]} for name in names]}

@@ -12,6 +12,7 @@ import zenoh
 from bridge.errors import RunError
 from bridge.replay.player import Player
 from bridge.wire.bus import Bus
+from bridge.wire.limits import QUERY
 
 PATIENCE = 5.0  # seconds
 
@@ -22,12 +23,16 @@ def heeding(bus: Bus, rig_name: str, player: Player) -> Iterator[None]:
     answering = threading.Lock()
 
     def on_query(query: Any) -> None:
+        if query.payload is not None and len(query.payload) > QUERY:
+            query.reply_err(b"refused: too long")
+            return
         with answering:
             answer(query)
 
     def answer(query: Any) -> None:
         verb = str(query.key_expr).rpartition("/")[2]
-        value = query.payload.to_string() if query.payload is not None else str(query.parameters)
+        payload = query.payload
+        value = str(query.parameters) if payload is None else payload.to_bytes().decode(errors="replace")
         try:
             found = player.ask(verb, value).result(PATIENCE)
         except TimeoutError:
