@@ -16,6 +16,7 @@ from bridge.scenario.faults import FURTHER, LINKS, PROCESS_OF, SENSORS, Fault, P
 from bridge.scenario.fitted_valve import power_off_of
 from bridge.scenario.plant_faults import acts_of, is_of_rig, refuse_beyond
 from bridge.wire.events import fault_turn, injection
+from bridge.wire.limits import FAULTS
 from controller.course import Act
 from controller.grid import NS, to_ns
 from twin.sensors import card_of
@@ -73,6 +74,8 @@ class Faults:
     def inject(self, fault: Fault, now: int) -> PlannedFault:
         """Take one more fault; without `at` and `when` it begins at once. Raises ScenarioError, and takes none."""
         self._now = now
+        if len(self._names) >= FAULTS:
+            raise ScenarioError(f"there have been {FAULTS} faults in this run: no more are taken")
         given = fault if fault.at is not None or fault.when is not None else fault.model_copy(update={"at": now / NS})
         try:
             one = plan_fault(given, self._scenario, 0)

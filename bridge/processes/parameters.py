@@ -54,10 +54,11 @@ def asked_for(payload: bytes, scenario: Scenario) -> Asked:
         seconds = quantity(asked.get("over", 0.0), "s")
     except (ValueError, OverflowError) as error:
         raise UsageError(f"over: {error}") from None
-    over = to_ns(seconds) if math.isfinite(seconds) else -1
-    if not 0 <= over <= LONGEST_RAMP:
+    if not 0.0 <= seconds <= LONGEST_RAMP / NS:
         raise UsageError(f"over = {asked['over']!r}: from 0 to {LONGEST_RAMP / NS:g} s")
-    return Asked({name: in_si(value, tunable(name, scenario), scenario) for name, value in asked["set"].items()}, over)
+    return Asked(
+        {name: in_si(value, tunable(name, scenario), scenario) for name, value in asked["set"].items()}, to_ns(seconds)
+    )
 
 
 def target_of(payload: bytes) -> float:

@@ -15,6 +15,7 @@ WAITING_QUERIES = 16  # of one kind
 QUERY_RATE = 100.0  # per second, of one kind
 WAITING_COMMANDS = 20_000  # at the plant, with resets and orders
 WAITING_TARGETS = 1000  # at the plant, between two ticks
+FAULTS = 1000  # of a run, those injected included
 STRANGERS = 20  # controllers of other scenarios that a plant tells of
 WAITING_RECORDS = 500_000  # messages at the recorder, two minutes at 1 kHz: a disk slower than that costs messages
 WAITING_BYTES = 500_000_000  # of them
