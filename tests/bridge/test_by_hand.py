@@ -94,7 +94,7 @@ def test_the_guide_to_a_controller_of_ones_own_is_true():
     assert struct.calcsize("<qQ") == STAMP.size == 16
     assert "struct` <qQ" in GUIDE
     named = {word.partition("/")[2].strip(":;,.") for word in GUIDE.split() if word.startswith("<rig>/")}
-    own = {"scenario", "parameters", "parameters/set", f"{TOKEN}/NUMBER", "alive/plant/*"}
+    own = {"scenario", "parameters", "parameters/set", "fault", f"{TOKEN}/NUMBER", "alive/plant/*"}
     assert named - set(TOPICS) == own
     assert all(reason in GUIDE for reason in Reason)
     scenario = load("step").model_dump()
