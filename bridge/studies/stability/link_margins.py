@@ -71,7 +71,7 @@ def _driven(law: LinearLaw) -> LinearLaw:
     size = len(law.c)
     still = [not law.b[i].any() and np.array_equal(law.a[i], np.eye(size)[i]) for i in range(size)]
     kept = np.flatnonzero(~np.array(still, bool))
-    return law._replace(a=law.a[np.ix_(kept, kept)], b=law.b[kept], c=law.c[kept], back=law.back[kept])
+    return law._replace(a=law.a[kept][:, kept], b=law.b[kept], c=law.c[kept], back=law.back[kept])
 
 
 def matrices(loop: LinearLoop, delay: float) -> tuple[Array, Array]:
