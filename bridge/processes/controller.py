@@ -1,6 +1,5 @@
 """The controller as a process: measurements off the bus, through the law, commands on the bus."""
 
-import json
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -13,6 +12,7 @@ from bridge.machine.process import Stop, prepare
 from bridge.processes.contact import Contact
 from bridge.scenario import Scenario
 from bridge.scenario.sameness import DIGEST, difference, digest_of
+from bridge.scenario.untrusted import parsed_json
 from bridge.wire.bus import Bus, Receiver
 from bridge.wire.codec import decode, ready
 from bridge.wire.events import line_of_law, reason_of
@@ -77,7 +77,7 @@ class ControllerProcess:
         self._introduced = run_id
         told = self.bus.ask("scenario", ASKING, self.stop)
         with suppress(ValueError, KeyError, TypeError):  # a foreign plant's answer may be anything
-            answer = json.loads(told or b"{}")
+            answer = parsed_json(told or b"{}")
             words = difference(self._scenario, answer["scenario"])
             for change in answer.get("changed", []):
                 self.side.learn(change["text"], int(change["command"]), int(change["apply_at"]))

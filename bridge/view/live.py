@@ -1,6 +1,5 @@
 """A running plant in Rerun: a process of its own between Zenoh and the viewer, which the loop cannot notice."""
 
-import json
 import os
 import time
 from collections.abc import Callable
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple
 from bridge.errors import RunError, UsageError
 from bridge.machine.children import guarded
 from bridge.machine.process import Stop
+from bridge.recording.manifest import told_by
 from bridge.recording.reader import Entry
 from bridge.view.content import APPLICATION
 from bridge.view.inbox import inbox, run_of
@@ -143,7 +143,7 @@ class Live:
             raise RunError(
                 f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig"
             )
-        return None if answer is None else json.loads(answer)
+        return None if answer is None else told_by(answer, self.bus.rig_name)
 
 
 def _yield_to_all() -> None:

@@ -19,7 +19,9 @@ from bridge.loop.exchange import exchange, sides
 from bridge.loop.plant import PlantSide
 from bridge.processes.injection import injected_by
 from bridge.processes.parameters import listed, set_by, target_of
+from bridge.processes.recorder.run_file import Request, RunFile
 from bridge.recording.info import describe
+from bridge.recording.manifest import told_by
 from bridge.recording.reader import read
 from bridge.recording.recover import recover
 from bridge.recording.summarise import known_or_made
@@ -230,6 +232,30 @@ def recordings(content: bytes) -> None:
         assert not read(out).damage.chunks
 
 
+@st.composite
+def manifests(draw: Any) -> bytes:
+    """What may come as the answer of a plant."""
+    right = {
+        "run_id": "7",
+        "mode": "realtime",
+        "speed": 1.0,
+        "tick": 0,
+        "scenario": load("step").model_dump(mode="json"),
+    }
+    wrong = draw(st.dictionaries(st.sampled_from([*right, "x"]), VALUES, max_size=2))
+    return draw(damaged(st.just(json.dumps(right | wrong).encode())))
+
+
+def introductions(answer: bytes) -> None:
+    """Whoever answers as the plant is one, or not, in words."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            file = RunFile(Path(folder) / "x.mcap", told_by(answer, "rig"), Request())
+            file.close({})
+        except (RunError, ScenarioError) as error:
+            in_words(error)
+
+
 CELLS = st.one_of(NUMBERS.map(str), WORDS)
 TABLES = st.one_of(
     damaged(st.just(b"time_s,position_m\n0,0.1\n1,0.12\n2.5,0.1\n")).map(lambda data: data.decode("utf-8", "replace")),
@@ -302,6 +328,7 @@ TARGETS: dict[str, tuple[Any, Callable[[Any], None]]] = {
     "structs": (structures(), packs),
     "scenarios": (scenario_files(), scenarios),
     "recordings": (RECORDINGS, recordings),
+    "introductions": (manifests(), introductions),
     "tables": (TABLES, tables),
     "queries": (QUERIES, queries),
     "remote": (REMOTE, remote),

@@ -1,6 +1,5 @@
 """The recorder as a process: everything on a rig's keys into MCAP files, losses counted."""
 
-import json
 import os
 import queue
 import sys
@@ -15,6 +14,7 @@ from bridge.errors import RunError
 from bridge.machine.process import NOTE, Stop
 from bridge.processes.contact import Contact
 from bridge.processes.recorder.run_file import Arrival, Request, RunFile
+from bridge.recording.manifest import told_by
 from bridge.wire.access import SAVING
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.guide import TOKEN
@@ -150,7 +150,7 @@ class RecorderProcess:
             raise RunError(
                 f"no plant of rig {self.bus.rig_name!r} answers: start one first, or name the rig with --rig"
             )
-        return json.loads(answer)
+        return told_by(answer, self.bus.rig_name)
 
     def _opened(self, path: Path, manifest: dict[str, Any], number: int) -> RunFile:
         try:
