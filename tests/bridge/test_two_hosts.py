@@ -199,12 +199,14 @@ def through_relay(folder: Path, count: int, protocol: str) -> list[Metrics]:
 
 
 @pytest.mark.endurance
+@pytest.mark.timeout(300)
 def test_a_relay_that_delays_does_what_our_delay_does(tmp_path: Path):
     """Over TCP, 20 +- 10 ms each way: the step's metrics are those of ten seeds of our fault."""
     assert_alike(seeds(DELAYED), through_relay(tmp_path, 1, "tcp"), "delay by relay")
 
 
 @pytest.mark.endurance
+@pytest.mark.timeout(300)
 def test_a_relay_that_drops_datagrams_does_what_our_loss_does(tmp_path: Path):
     """Zenoh over UDP sends nothing again: 20 % are lost each way, so 64 % of the samples are answered."""
     assert_alike(seeds(LOSING), through_relay(tmp_path, 1, "udp"), "loss by relay", ONE_RUN)
