@@ -9,6 +9,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+AFTER_A_WRITE = 0.02  # [s] until an interrupted write has ended
+
 
 def prepare() -> None:
     """Give a closed stream its number back, so that no file of ours takes it, and let every character be written.
@@ -78,11 +80,21 @@ def said_when_interrupted(words: Callable[[], str]) -> Iterator[None]:
 def done_when_interrupted(act: Callable[[], object]) -> Iterator[None]:
     """Ctrl-C ends the process at once, as ever, but first does something short; a second one does not wait for it."""
 
+    acts = [act]
+
     def end(*_: object) -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-        with suppress(OSError):
-            act()
+        try:
+            for due in acts:
+                due()
+            acts.clear()
             sys.stdout.flush()
+        except OSError:
+            pass
+        except RuntimeError:  # it came in the middle of a write, which has to end first
+            signal.signal(signal.SIGALRM, end)
+            signal.setitimer(signal.ITIMER_REAL, AFTER_A_WRITE)
+            return
         os.kill(os.getpid(), signal.SIGINT)
 
     before = signal.signal(signal.SIGINT, end)

@@ -30,7 +30,7 @@ def told_by(answer: bytes, rig_name: str) -> dict[str, Any]:
     try:
         told = parsed_json(answer)
         known = told | {"run_id": int(told["run_id"])}
-        if isinstance(told["scenario"], dict) and isinstance(told["tick"], int) and Mode(told["mode"]):
+        if isinstance(told["scenario"], dict) and isinstance(told["tick"], int) and isinstance(told["mode"], str):
             return known
     except (ValueError, KeyError, TypeError, OverflowError):
         pass
