@@ -57,7 +57,8 @@ def trial(home: Path, seconds: float, changes: tuple[str, ...], intruders: bool 
     """A loop of three processes through a guarded router, and intruders or a load that does not touch the network."""
     endpoint, path = free_endpoint().replace("tcp/", "tls/"), home / "run.mcap"
     path.unlink(missing_ok=True)
-    duration = ("--set", f"duration={round(1.05 * seconds + SETTLING + 5)}", *changes, *LOOSE)
+    length, patient = round(1.05 * seconds + SETTLING + 5), ("--set", "loop.command_timeout=5 s")
+    duration = ("--set", f"duration={length}", *patient, *changes, *LOOSE)
     joins = {role: ("--connect", endpoint, "--zenoh-config", f"keys/{role}.json5") for role in ROLES}
     with ExitStack() as stack:
         listening = ("router", "--listen", endpoint, "--zenoh-config", "keys/router.json5")
