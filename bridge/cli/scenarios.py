@@ -15,6 +15,8 @@ from twin.topology import PIPES
 ALL_VALUES = Annotated[bool, typer.Option("--all", help="Print the values of what is not fitted, too.")]
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from bridge.scenario import Scenario
     from bridge.scenario.describe import Value
     from bridge.scenario.of_run import Setting
@@ -47,22 +49,21 @@ def describe(
 
     inherited = origins(scenario, changes or [])
     values, found, steps = values_of(loaded, inherited), facts(loaded), step_rows(loaded)
-    settings, taps = settings_of(loaded, inherited), legend(loaded)
-    slots = slots_of(loaded)
-    parameters, happens, limits_kept = _parameters(loaded), timeline(loaded), alarms(loaded)
-    wrong = faults(loaded)
+    settings, taps, slots = settings_of(loaded, inherited), legend(loaded), slots_of(loaded)
+    parameters = _parameters(loaded)
+    happens = {"timeline": timeline(loaded), "faults": faults(loaded), "alarms": alarms(loaded)}
     if as_json:
-        keys = ("part", "what", "time", "longest step")
-        limits = [dict(zip(keys, row, strict=True)) for row in steps]
-        plain = {"values": [v._asdict() for v in values], "facts": [f._asdict() for f in found], "step": limits}
-        plain["settings"] = [s._asdict() for s in settings]
-        plain["taps"] = [dict(zip(TAP_HEADS, row, strict=True)) for row in taps]
-        plain["warnings"] = warnings(loaded)
-        plain["fitted"] = [dict(zip(("slot", "kind", "chosen by"), row, strict=True)) for row in slots]
-        further = {"parameters": parameters, "timeline": [h._asdict() for h in happens]}
-        further["faults"] = [fault._asdict() for fault in wrong]
-        further["alarms"] = [limit._asdict() for limit in limits_kept]
-        print_json(plain | {name: rows for name, rows in further.items() if rows})
+        plain = {
+            "values": [v._asdict() for v in values],
+            "facts": [f._asdict() for f in found],
+            "step": _named(("part", "what", "time", "longest step"), steps),
+            "settings": [s._asdict() for s in settings],
+            "taps": _named(TAP_HEADS, taps),
+            "warnings": warnings(loaded),
+            "fitted": _named(("slot", "kind", "chosen by"), slots),
+        }
+        told = {name: [row._asdict() for row in rows] for name, rows in happens.items() if rows}
+        print_json(plain | ({"parameters": parameters} if parameters else {}) | told)
         return
     print(text_picture(loaded.rig_values()))
     print_table(TAP_HEADS, taps)
@@ -75,26 +76,30 @@ def describe(
     print_table(("value", "", "", "source"), [(v.name, v.value, _mark(v), v.source) for v in shown])
     if not every:
         print(f"{len(values) - len(shown)} values of what is not fitted are left out; --all prints them")
-    print()
-    print_table(("of the run", "", "", "source"), [(s.name, s.value, _own(s), s.source) for s in settings])
-    print()
-    print_table(("what follows", ""), found)
-    print()
-    print_table(("part", "what is fast in it", "its time", "longest step that follows"), steps)
-    if parameters:
-        print()
-        print_table(("parameter of the law, SI", ""), [(name, str(value)) for name, value in parameters.items()])
-    if happens:
-        print()
-        print_table(("in the timeline", "what changes"), happens)
-    if wrong:
-        print()
-        print_table(("fault", "what goes wrong"), wrong)
-    if limits_kept:
-        print()
-        print_table(("alarm", "leads to"), limits_kept)
+    further = {
+        ("of the run", "", "", "source"): [(s.name, s.value, _own(s), s.source) for s in settings],
+        ("what follows", ""): found,
+        ("part", "what is fast in it", "its time", "longest step that follows"): steps,
+        ("parameter of the law, SI", ""): [(name, str(value)) for name, value in parameters.items()],
+        **{HEADS[name]: rows for name, rows in happens.items()},
+    }
+    for heads, rows in further.items():
+        if rows:
+            print()
+            print_table(heads, rows)
     for line in warnings(loaded):
         print(f"warning: {line}")
+
+
+HEADS = {  # of what happens in a run
+    "timeline": ("in the timeline", "what changes"),
+    "faults": ("fault", "what goes wrong"),
+    "alarms": ("alarm", "leads to"),
+}
+
+
+def _named(keys: tuple[str, ...], rows: "Iterable[tuple[Any, ...]]") -> list[dict[str, Any]]:
+    return [dict(zip(keys, row, strict=True)) for row in rows]
 
 
 def _own(value: "Value | Setting") -> str:
