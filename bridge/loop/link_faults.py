@@ -12,8 +12,11 @@ from typing import Any, NamedTuple
 
 from bridge.loop.fault_chance import Bursts, Luck
 from bridge.loop.fault_clock import Spell
+from bridge.loop.spells import Spells
+from bridge.scenario.fault_kinds import LONGEST
 from controller.grid import NS, to_ns
 
+Bent = Callable[[int, int, list[int], int], tuple[list[int], int]]  # of number, sending, arrivals and shift
 Delay = Callable[[int, int], int]  # of a message's number, sent at an instant [ns]: how long it takes [ns]
 
 
@@ -31,7 +34,7 @@ class Way:
         self._seed = seed
         self._direction = direction
         self._daq = daq
-        self._spells: list[tuple[Spell, Any]] = []
+        self._spells: Spells[Bent] = Spells(back=to_ns(LONGEST))
         self._last = 0  # arrival of the newest message that may not be overtaken
         self._queue: list[tuple[int, int, Any]] = []
         self._put = 0
@@ -39,7 +42,7 @@ class Way:
 
     def start(self, spell: Spell) -> None:
         """A fault of this direction is going to be there."""
-        self._spells.append((spell, KINDS[spell.fault.kind](spell, Luck(self._seed, f"{spell.fault.name} message"))))
+        self._spells.add(spell, KINDS[spell.fault.kind](spell, Luck(self._seed, f"{spell.fault.name} message")))
 
     def send(self, number: int, sent: int) -> Fate:
         """What becomes of a message; its copies are to be put on their way."""
@@ -67,10 +70,9 @@ class Way:
 
     def _fate(self, number: int, sent: int) -> Fate:
         arrivals, shift, ordered = [sent], 0, False
-        for spell, kind in self._spells:
-            if spell.begin <= sent < spell.end:
-                arrivals, shift = kind(number, sent, arrivals, shift)
-                ordered = ordered or spell.fault.kind in IN_ORDER
+        for spell, kind in self._spells.there(sent):
+            arrivals, shift = kind(number, sent, arrivals, shift)
+            ordered = ordered or spell.fault.kind in IN_ORDER
         if arrivals and ordered:
             arrivals[0] = max(arrivals[0], self._last)
         if arrivals:
@@ -83,7 +85,6 @@ class Way:
             self.counts[name] = self.counts.get(name, 0) + 1
 
 
-Bent = Callable[[int, int, list[int], int], tuple[list[int], int]]
 IN_ORDER = ("delay", "freeze")
 
 

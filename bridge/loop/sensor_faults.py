@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from bridge.loop.fault_chance import Luck
 from bridge.loop.fault_clock import Spell
+from bridge.loop.spells import Spells
 from controller.course import NEVER
 from controller.grid import NS
 
@@ -45,23 +46,22 @@ class SensorFaults:
         self._inputs = inputs
         self._seed = seed
         self._daq = daq
-        self._spells: list[tuple[Spell, Lie]] = []
+        self._spells: Spells[Lie] = Spells()
 
     def start(self, spell: Spell) -> None:
         """A fault of a channel is going to be there."""
         lie = KINDS[spell.fault.kind](spell, Luck(self._seed, f"{spell.fault.name} scan"), self)
-        self._spells.append((spell, lie))
+        self._spells.add(spell, lie, early=spell.fault.kind in REMEMBERING)
 
     def read(self, tick: int, now: int, true: Array) -> Array:
         """What reaches the card of true values; shape (points of time, channels), or (channels,)."""
         read = np.atleast_2d(true).copy()
         moment = Moment(tick, now, np.atleast_2d(true))
-        for spell, lie in self._spells:
-            if spell.fault.kind in REMEMBERING or spell.begin <= now < spell.end:
-                column = self._inputs[spell.fault.part].column
-                told = lie(read[:, column], moment)
-                if spell.begin <= now < spell.end:
-                    read[:, column] = told
+        for spell, lie in self._spells.near(now):
+            column = self._inputs[spell.fault.part].column
+            told = lie(read[:, column], moment)
+            if spell.begin <= now:
+                read[:, column] = told
         return read.reshape(true.shape)
 
     def input(self, name: str) -> Input:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 
 from bridge.loop.fault_clock import Spell
+from bridge.loop.spells import Spells
 
 Faulty = Callable[[float], float]  # of a spool reference, -1 .. 1
 
@@ -14,22 +15,20 @@ class ValveFaults:
     def __init__(self, power_off: float) -> None:
         """power_off: where the spool goes without power, share of the travel."""
         self._power_off = power_off
-        self._spells: list[tuple[Spell, Faulty]] = []
+        self._spells: Spells[Faulty] = Spells()
 
     def start(self, spell: Spell) -> None:
         """A fault of the valve is going to be there."""
-        self._spells.append((spell, self._made(spell)))
+        self._spells.add(spell, self._made(spell))
 
     def next(self, now: int) -> int | None:
         """The next instant at which one begins or ends [ns]."""
-        instants = (instant for spell, _ in self._spells for instant in (spell.begin, spell.end))
-        return min((instant for instant in instants if instant > now), default=None)
+        return self._spells.next(now)
 
     def reference(self, given: float, now: int) -> float:
         """What the spool is after, of what it is given at an instant [ns]."""
-        for spell, faulty in self._spells:
-            if spell.begin <= now < spell.end:
-                given = min(1.0, max(-1.0, faulty(given)))
+        for _, faulty in self._spells.there(now):
+            given = min(1.0, max(-1.0, faulty(given)))
         return given
 
     def _made(self, spell: Spell) -> Faulty:
