@@ -21,26 +21,27 @@ from bridge.processes.injection import injected_by
 from bridge.processes.orders import Act, Order, answer_to
 from bridge.processes.parameters import listed, set_by, target_of
 from bridge.processes.starting import EAR
+from bridge.processes.strangers import Strangers
+from bridge.processes.telling import Telling
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.law_file import law_facts
 from bridge.scenario.references import Live
-from bridge.scenario.sameness import DIGEST, digest_of
+from bridge.scenario.sameness import digest_of
 from bridge.wire.bus import Bus, claimed_type
-from bridge.wire.codec import LoopTiming, decode, ready
-from bridge.wire.events import last_words, reason_of
+from bridge.wire.codec import LoopTiming, ready
+from bridge.wire.events import last_words
 from bridge.wire.intake import Turned, Waiting
-from bridge.wire.limits import STRANGERS, WAITING_COMMANDS, WAITING_TARGETS, Excess, command_rate
+from bridge.wire.limits import WAITING_COMMANDS, WAITING_TARGETS, command_rate
 from bridge.wire.link import Link, is_guarded
-from bridge.wire.messages import ALARMING, Ending, EventKind, Mode, OnOverrun, Outgoing, Phase
-from bridge.wire.status import Pace, PlantReport, PlantStatus, numbers_of
+from bridge.wire.messages import Ending, EventKind, Mode, OnOverrun, Outgoing, Phase
+from bridge.wire.status import Pace, PlantReport, PlantStatus
 from controller.grid import NS, is_sample
 
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
 SETTLING = 2.0  # seconds in which a plant that started at the same instant may still be found
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
 LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
-LONGEST_WORDS = 500  # characters of what a stranger says it runs
 LINGER = 5.0  # seconds that partners get to finish
 
 
@@ -86,13 +87,11 @@ class PlantProcess:
         self._timings = 0
         self._facts = {"versions": versions(), "host": host(), **law_facts(scenario.controller)}
         self._narrator = Narrator(options.quiet)
-        self._told: set[str] = set()  # reasons of refusals that were said on the terminal
-        self._digest = digest_of(scenario)
+        self._telling = Telling(self._narrator, is_live=isinstance(scenario.reference, Live))
         self._settled = 0.0
-        self._strangers = Waiting("stranger", bus.turned, STRANGERS)  # controllers of other scenarios, in words
-        self._met: set[int] = set()  # their processes
+        self._strangers = Strangers(digest_of(scenario), bus.turned)
         ready("status")
-        bus.subscribe("status", self._on_status)
+        bus.subscribe("status", lambda sample: self._strangers.hear(sample.payload.to_bytes()))
         bus.answer("scenario", self._manifest)
         bus.serve("parameters", lambda payload: listed(self.side, payload))
         for name, asked in (("parameters/set", set_by), ("fault", injected_by)):
@@ -247,22 +246,6 @@ class PlantProcess:
                 self._narrator.say(f"target refused: {error}")
         self.side.aim(target)
 
-    def _on_status(self, sample: Any) -> None:
-        """In Zenoh's thread: does a controller run another scenario?"""
-        with suppress(ValueError):
-            status = decode(sample.payload.to_bytes(), "status")
-            digest = numbers_of(status).get(DIGEST) if status.role == "controller" else None
-            if digest is not None and round(digest) != self._digest and status.pid not in self._met:
-                self._meet(status)
-
-    def _meet(self, status: Any) -> None:
-        """Tell of a controller that runs another scenario, once, and of few."""
-        if len(self._met) >= STRANGERS:
-            self.bus.turned.add("stranger", Excess.WAITING)
-            return
-        self._met.add(status.pid)
-        self._strangers.put(f"controller {status.pid} runs {status.text[:LONGEST_WORDS] or 'another scenario'}")
-
     def _leave_to_another(self) -> None:
         """Of plants that started at the same instant, and did not see each other, only that of the lowest id stays."""
         if time.monotonic() > self._settled:
@@ -271,31 +254,6 @@ class PlantProcess:
         if lower:
             raise _second(self.scenario.rig_name, lower)
 
-    def _note_strangers(self) -> None:
-        while not self._strangers.empty():
-            self.side.inlet.note(EventKind.DIFFERS, self._strangers.get())
-
-    def _tell(self, event: Any) -> None:
-        """Say what happens to the plant; of refusals the first of each reason."""
-        when = f"t = {event.stamp / NS:g} s: "
-        if event.kind == EventKind.REFUSED and (reason := reason_of(event)) not in self._told:
-            self._told.add(reason)
-            self._narrator.say(f"{when}command refused: {event.text}; further ones for this reason are only counted")
-        if event.kind == EventKind.SAFE:
-            self._narrator.say(f"{when}safe state, {self._way_out()}: {event.text}")
-        if event.kind == EventKind.CHANGED and not isinstance(self.scenario.reference, Live):
-            self._narrator.say(f"{when}{event.text}, from {event.apply_at / NS:g} s on")
-        if event.kind in (EventKind.RESET, EventKind.RESUMED, EventKind.DIFFERS, EventKind.ENDED, EventKind.FAULT):
-            self._narrator.say(f"{when}{event.text}")
-        if event.kind in ALARMING:
-            self._narrator.say(f"{when}{event.kind}: {event.text}")
-
-    def _way_out(self) -> str:
-        inlet = self.side.inlet
-        if inlet.latched or not inlet.shut:
-            return "leave with `hydrotwin reset`" if inlet.latched else "left by the first valid command"
-        return "left by the first valid command once the alarm is gone, or with `hydrotwin reset`"
-
     def _on_command(self, sample: Any) -> None:
         self._commands.put(Command(sample, time.monotonic_ns()))
 
@@ -303,7 +261,7 @@ class PlantProcess:
         for message in messages:
             self.bus.publish(message)
             if message.topic == "event":
-                self._tell(message.message)
+                self._telling.tell(message.message, self.side.inlet)
         if sent and is_sample(self.side.now, self.side.grid):
             self._sent[self.side.now] = sent
             if len(self._sent) > UNANSWERED:
@@ -329,7 +287,8 @@ class PlantProcess:
             return False
         self._status_due = now + STATUS_PERIOD
         self._leave_to_another()
-        self._note_strangers()
+        for words in self._strangers.new():
+            self.side.inlet.note(EventKind.DIFFERS, words)
         self._narrator.note_present(self.bus.present, "plant")
         self._report(Phase(self.side.inlet.state), "")
         return True

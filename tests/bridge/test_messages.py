@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
 from bridge.wire.codec import STORE, Measurement, ValveCommand, decode, encode, type_hash
+from bridge.wire.definitions import LOOP_MESSAGES, STANDARD_MESSAGES
 from bridge.wire.messages import (
-    LOOP_MESSAGES,
-    STANDARD_MESSAGES,
     TOPICS,
     definition,
     field_names,
