@@ -89,6 +89,11 @@ VERBS = {
         "Recover the readable part of a truncated or damaged recording, or join the parts of one run.",
     ),
     "export": Verb(LOOK, "recordings:export", "Write a recording for other programs, units in the headers."),
+    "import": Verb(
+        LOOK,
+        "importing:import_log",
+        "Import a log that another program has measured on a rig: a recording that every verb takes.",
+    ),
     "digest": Verb(
         LOOK, "recordings:digest", "Print one hash per data channel; with several files, say whether they are the same."
     ),

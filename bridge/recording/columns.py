@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
+from bridge.recording.seen import seen
 from bridge.scenario import Scenario
 from bridge.scenario.courses import reference_course
 from controller.course import NEVER
@@ -22,8 +23,11 @@ SAME = 1e-9  # [m] between a reference as published and as evaluated again
 
 
 def signals(recording: Recording, scenario: Scenario) -> Signals:
-    """True signals of a run, and the reference evaluated at the same instants (NaN for a law that follows none)."""
-    state = recording.columns("state")
+    """True signals of a run, and the reference evaluated at the same instants (NaN for a law that follows none).
+
+    Of a measured recording those of its sensors.
+    """
+    state = seen(recording)
     time = state["stamp"] / NS
     return Signals(
         time=time,

@@ -16,6 +16,7 @@ SHAPES: Mapping[str, Shape] = {
     "summary": {"ending": str, "metrics": (NUMBER,), "timing": (dict,), "lost": (int,)},
     "recovered": {"damaged_chunks": int},
     "refused": {"reason": str, "time": str},
+    "imported": {"source": str, "sha256": str, "rows": (int,), "time": dict, "signals": (dict,), "notes": list},
 }
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bridge.recording.columns import signals, sine_of
 from bridge.recording.reader import Recording
+from bridge.recording.seen import instants
 from bridge.recording.summary import (
     PERCENTILES,
     CommandSummary,
@@ -40,7 +41,7 @@ def summarise(
     events = recording.messages("event")
     status = status or _last_status(recording)
     ended = [event.text for event in events if event.kind == EventKind.ENDED]
-    ticks = recording.counts.get("state", 0)
+    ticks = instants(recording)
     return Summary(
         scenario=scenario.name,
         ending=ended[0] if ended else Ending.CUT_OFF,

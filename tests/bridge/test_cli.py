@@ -19,7 +19,7 @@ from tests.support.processes import ENVIRONMENT, ROOT, hydrotwin
 
 VERBS = (
     *("run", "check", "scenarios", "schema", "plant", "controller", "record", "router", "reset"),
-    *("info", "compare", "recover", "export", "replay", "remote"),
+    *("info", "compare", "recover", "export", "import", "replay", "remote"),
     *("advise", "map"),
     *("digest", "messages", "figure", "figures", "view", "doctor"),
 )

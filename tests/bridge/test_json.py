@@ -48,6 +48,7 @@ ALONE = {  # what each verb is called with; FILE is a recording
     "compare": ("FILE", "FILE", "--json"),
     "recover": ("FILE", "-o", "whole.mcap", "--json"),
     "export": ("FILE", "--csv", "--json"),
+    "import": ("LOG", "--map", "MAP", "--json"),
     "digest": ("FILE", "FILE", "--json"),
     "messages": ("--json",),
     "figures": ("--json",),
@@ -60,6 +61,8 @@ ALONE = {  # what each verb is called with; FILE is a recording
     "valve chart": ("--cells", "2", "--workers", "1", "--json"),
 }
 CAMPAIGN = 'scenarios = ["step"]\n[common]\nduration = "0.1 s"\n'
+LOG = "t_s,x_mm\n0,100\n0.001,101\n0.002,102\n"
+MAP = 'rig = "ehla"\n[time]\ncolumn = "t_s"\n[signal.position]\ncolumn = "x_mm"\n'
 ON_A_BUS = {"plant", "record", "reset", "replay", "remote", "get", "set", "fault", "watch"}
 
 
@@ -85,7 +88,9 @@ def test_no_verb_is_forgotten():
 def test_a_verb_prints_json_alone(verb: str, recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
-    files = {"FILE": str(recorded), "CAMPAIGN": "campaign.toml"}
+    (tmp_path / "log.csv").write_text(LOG, encoding="utf-8")
+    (tmp_path / "map.toml").write_text(MAP, encoding="utf-8")
+    files = {"FILE": str(recorded), "CAMPAIGN": "campaign.toml", "LOG": "log.csv", "MAP": "map.toml"}
     words = [files.get(word, word) for word in (*verb.split(), *ALONE[verb])]
     done = CliRunner().invoke(app, words)
     assert done.exit_code in (0, 1), done.output

@@ -1,0 +1,61 @@
+"""The verb import: a log of others made into a recording."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from bridge.cli.options import AS_JSON, there
+from bridge.cli.outputs import print_json
+from bridge.errors import UsageError
+
+if TYPE_CHECKING:
+    from bridge.recording.logs.importing import Made
+
+
+def import_log(
+    log: Annotated[Path, typer.Argument(help="A log: CSV, also packed with gzip.")],
+    map_path: Annotated[
+        Path | None, typer.Option("--map", help="Map, .toml: which column is which signal.", show_default=False)
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="[default: LOG.mcap, here]", show_default=False)
+    ] = None,
+    as_json: AS_JSON = False,
+) -> None:
+    """Import a log that another program has measured on a rig: a recording that every verb takes.
+
+    The map names the drive, and of each signal its column, unit, sign and method; docs/import.md describes it. What is
+    missing in the log stays missing.
+    """
+    there(log)
+    if map_path is None:
+        raise UsageError(f"{log}: --map MAP.toml says which column is which signal: docs/import.md")
+    there(map_path)
+    from bridge.recording.logs.importing import import_log as write
+    from bridge.recording.logs.importing import stem
+
+    made = write(log, map_path, output or Path(f"{stem(log)}.mcap"))
+    if as_json:
+        print_json({"recording": str(made.recording.path), **made.recording.metadata["imported"]})
+    else:
+        _print(made)
+
+
+def _print(made: "Made") -> None:
+    from bridge.cli.tables import print_table
+    from bridge.recording.imported import facts, holes_in_words, rows_in_words
+    from bridge.scenario.units import shown
+
+    told = facts(made.recording)
+    rows = []
+    for name, entry in told["signals"].items():
+        factor, unit = shown(entry["unit"])
+        low, high = (end * factor for end in made.ends(name))
+        missing = holes_in_words(entry)
+        rows.append((name, entry["column"], f"{low:.5g} to {high:.5g} {unit}".rstrip(), entry["method"], missing))
+    print_table(("signal", "column", "range", "method", "missing"), rows)
+    print(f"rows       {rows_in_words(told['rows'])}")
+    for note in told["notes"]:
+        print(f"note       {note}")
+    print(f"recording  {made.recording.path}")

@@ -1,0 +1,82 @@
+"""What is known of the sensors of a log: noise before the converter, and its quantum; stated, else estimated."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridge.errors import UsageError
+from bridge.recording.logs.map import Signal, si_of
+from bridge.scenario.units import split
+
+ROOT_12 = math.sqrt(12.0)  # of an even distribution over a quantum
+SECOND = math.sqrt(6.0)  # rms of x[k-1] - 2 x[k] + x[k+1] of white noise of rms 1
+MEDIAN = 0.6745  # of the absolute values of a normal distribution of rms 1
+
+
+class Sensor(NamedTuple):
+    """Noise of a signal, SI."""
+
+    noise: float  # rms before the converter
+    quantum: float  # of the converter; 0: none
+    stated: bool  # False: estimated from the data
+
+    @property
+    def rms(self) -> float:
+        """With what rounding adds."""
+        return math.hypot(self.noise, self.quantum / ROOT_12)
+
+
+def stated(entry: Signal, unit: str, who: str) -> Sensor | None:
+    """What a map says of a sensor; None where it says nothing. Raises UsageError."""
+    quantum = 0.0
+    if entry.range is not None:
+        low, high = (si_of(end, unit, f"{who}: range") for end in entry.range)
+        if not high > low:
+            raise UsageError(f"{who}: range {entry.range}: the second end must be above the first")
+        quantum = (high - low) / 2.0**entry.bits if entry.bits else 0.0
+    if entry.noise is None:
+        return Sensor(0.0, quantum, True) if quantum else None
+    return Sensor(_noise(entry.noise, quantum, unit, who), quantum, True)
+
+
+def _noise(noise: float | str, quantum: float, unit: str, who: str) -> float:
+    if isinstance(noise, str) and noise.strip().endswith("LSB"):
+        number, _ = split(noise)
+        if not quantum:
+            raise UsageError(f"{who}: noise {noise!r} needs `range` and `bits`, which make one LSB")
+        return number * quantum
+    found = si_of(noise, unit, f"{who}: noise") if not isinstance(noise, str) else _difference(noise, unit, who)
+    if not 0.0 <= found < math.inf:
+        raise UsageError(f"{who}: noise {noise!r}: must be 0 or more")
+    return found
+
+
+def _difference(noise: str, unit: str, who: str) -> float:
+    """A noise is a difference: no unit's zero point counts."""
+    return si_of(noise, unit, f"{who}: noise") - si_of(f"0 {split(noise)[1]}".strip(), unit, f"{who}: noise")
+
+
+def estimated(values: NDArray[np.float64]) -> Sensor:
+    """Noise by second differences, whose median motion does not shift, and the quantum by the steps between values."""
+    known = values[np.isfinite(values)]
+    quantum = _quantum(known)
+    with np.errstate(invalid="ignore"):
+        second = np.abs(values[:-2] - 2.0 * values[1:-1] + values[2:])
+    second = second[np.isfinite(second)]
+    total = float(np.median(second)) / MEDIAN / SECOND if len(second) else 0.0
+    return Sensor(math.sqrt(max(0.0, total**2 - quantum**2 / 12.0)), quantum, False)
+
+
+def _quantum(values: NDArray[np.float64]) -> float:
+    """The usual step between neighbours among the values that occur; 0 where hardly any occurs twice."""
+    levels = np.unique(values)
+    if len(levels) < 2 or len(levels) > 0.5 * len(values):
+        return 0.0
+    return float(np.median(np.diff(levels)))
+
+
+def plain(sensor: Sensor | None) -> dict[str, Any]:
+    """For metadata."""
+    return {} if sensor is None else {"noise": sensor.noise, "quantum": sensor.quantum, "stated": sensor.stated}
