@@ -1,7 +1,8 @@
 """Pressure over length and time of each pipe, as pictures with axes of their own in Rerun's 2-D view.
 
 Time runs to the right, length upwards, WIDTH by HEIGHT units; the picture is the profile, a pixel a place and instant,
-stretched. In a file a line stands at the cursor's time; live the picture holds the last seconds, now on the right.
+stretched. Of a recording it holds the whole run, and a line stands at the cursor's time; live there is one after the
+other, each of the seconds up to then, now on the right.
 """
 
 from itertools import pairwise
@@ -32,13 +33,29 @@ def picture(pressure: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 
 def draw(stream: Any, pipe: int, pressure: NDArray[np.float64]) -> None:
-    """Put a pipe's picture into its frame."""
+    """Put a pipe's picture into its frame, for all times."""
     import rerun as rr
 
     image = picture(pressure)
     size = WIDTH / image.shape[1], HEIGHT / image.shape[0]
     stream.log(f"{entity(pipe)}/picture", rr.Transform3D(mat3x3=np.diag([*size, 1.0])), static=True)
     stream.log(f"{entity(pipe)}/picture", rr.Image(image, magnification_filter="Linear", draw_order=-10.0), static=True)
+
+
+def draw_at(stream: Any, pipe: int, pressure: NDArray[np.float64], stamp: int) -> None:
+    """Put a pipe's picture into its frame from a time [ns] on: Rerun's server keeps for good what is for all times."""
+    import rerun as rr
+
+    image = picture(pressure)
+    height, width, _ = image.shape
+    form = rr.components.ImageFormat(width, height, color_model="RGB", channel_datatype="U8")
+    columns = [
+        *rr.Transform3D.columns(mat3x3=[np.diag([WIDTH / width, HEIGHT / height, 1.0])]),
+        *rr.Image.columns(
+            buffer=image.reshape(1, -1), format=[form], magnification_filter=["Linear"], draw_order=[-10.0]
+        ),
+    ]
+    stream.send_columns(f"{entity(pipe)}/picture", [time_column(np.array([stamp]))], columns)
 
 
 def frame(stream: Any, pipe: int, length: float, begin: float, end: float, what: str, ends: tuple[str, str]) -> None:

@@ -26,9 +26,11 @@ from bridge.view.screenshot import check_target, screenshot
 from bridge.wire.bus import Bus
 from bridge.wire.link import Link
 
-PERIOD = 0.05  # [s] from batch to batch
+PERIOD = 0.1  # [s] from look to look at what has come, and from batch to batch of a viewer
+FILED = 1.0  # [s] from batch to batch of a file: twenty small ones take ten times the processor time and twice the disk
 LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then it cannot leave, nor in lockstep go on
 FLUSH = 2.0  # [s] that Rerun has to take a batch; then what comes waits, and in the end is left out
+UNINDEXED = "warn,re_log_encoding::rrd::file_sink=error"  # Rerun's log, without its warning that there is no index
 PICTURE_AFTER = 4.0  # [s] of simulated time, unless somebody says when
 
 
@@ -58,6 +60,8 @@ def watch(link: Link, rig: str, options: LiveOptions) -> None:
             live.write(options.save)
         else:
             _show(live, options.web)
+        if live.inbox.left_out:
+            print(f"{live.inbox.left_out} messages were not drawn: the view was too slow for them, or they too long")
 
 
 def _show(live: "Live", web: bool) -> None:
@@ -67,8 +71,6 @@ def _show(live: "Live", web: bool) -> None:
             live.stop.listen()
             print(f"{program.address}\nCtrl-C ends it", flush=True)
         live.follow(program)
-        if live.inbox.left_out:
-            print(f"{live.inbox.left_out} messages were not drawn: the viewer was too slow for them")
 
 
 class Live:
@@ -98,12 +100,16 @@ class Live:
             manifest = self._manifest(lambda: self.stop() or closed())
             if manifest is None:
                 return
-            self._draw(Drawing(connected(program, APPLICATION), manifest, bare), finished)
+            self._draw(Drawing(connected(program, APPLICATION), manifest, bare), finished, PERIOD)
             if until is not None:
                 return
 
     def write(self, path: Path) -> None:
-        """Draw into a Rerun file until the plant ends or Ctrl-C."""
+        """Draw into a Rerun file until the plant ends or Ctrl-C.
+
+        The file gets no index, for which Rerun would keep a line for every batch in memory until the end.
+        """
+        os.environ.setdefault("RUST_LOG", UNINDEXED)  # read when Rerun is imported
         import rerun as rr
 
         if path.suffix != ".rrd":
@@ -114,25 +120,25 @@ class Live:
             return
         stream = rr.RecordingStream(APPLICATION)
         try:
-            stream.save(path)
+            stream.save(path, write_footer=False)
         except RuntimeError as error:
             raise UsageError(f"cannot write the view: {error}") from None
-        self._draw(Drawing(stream, manifest, bare=False), lambda drawing: drawing.over)
+        self._draw(Drawing(stream, manifest, bare=False), lambda drawing: drawing.over, FILED)
         stream.disconnect()
 
-    def _draw(self, drawing: Drawing, finished: Callable[[Drawing], bool]) -> None:
-        """Batches of one run, until another one begins."""
-        free = True
-        while not self.stop():
-            over = finished(drawing)
+    def _draw(self, drawing: Drawing, finished: Callable[[Drawing], bool], apart: float) -> None:
+        """Batches of one run, so many seconds apart, until another one begins."""
+        free, drawn, waiting = True, time.monotonic(), []
+        while True:
+            over = self.stop() or finished(drawing)
             time.sleep(PERIOD)
             free = free or _flushed(drawing.stream, PERIOD)
             if free:
-                entries = self.inbox.take()
-                if _another(entries, drawing.run_id):
-                    return
-                drawing.add([entry for entry in entries if run_of(entry) == drawing.run_id])
-                free = _flushed(drawing.stream, FLUSH)
+                waiting += self.inbox.take()
+                over = over or _another(waiting, drawing.run_id)
+            if free and (over or time.monotonic() >= drawn + apart):
+                drawing.add([entry for entry in waiting if run_of(entry) == drawing.run_id])
+                free, drawn, waiting = _flushed(drawing.stream, FLUSH), time.monotonic(), []
             if over:
                 return
 

@@ -23,7 +23,7 @@ from bridge.wire.messages import EventKind, Mode
 from controller.grid import NS
 
 SPAN = 10.0  # [s], of the maps and curves
-REDRAWN = 0.25  # [s] of simulated time, from map to map
+REDRAWN = 0.5  # [s] of simulated time, from map to map: they are the larger part of what Rerun gets
 
 
 class Drawing:
@@ -40,7 +40,7 @@ class Drawing:
         self._scene = scene_of(scenario)
         self._profiles: deque[Any] = deque(maxlen=max(2, round(SPAN / scenario.loop.viewer_period)))
         self._states: list[Entry] = []
-        self._drawn = -REDRAWN
+        self._drawn = -NS  # [ns], when the maps were drawn
         self._logs = False  # has the law logged anything?
         self._own = chosen(self._layout, {})
         self._bare = bare
@@ -91,15 +91,17 @@ class Drawing:
         if lines:
             shown = frames(recording(self._head.path, [*self._states, *states, *lines], {}))
             move(self.stream, self._scene, shown)
-            self._draw_maps(shown)
+            if len(shown.stamps):
+                self._draw_maps(shown)
         self._states = states or self._states
 
     def _draw_maps(self, shown: Frames) -> None:
         self._profiles.extend(shown.pressure)
-        if self.seconds - self._drawn < REDRAWN or len(self._profiles) < 2:
+        latest = int(shown.stamps[-1])
+        if latest - self._drawn < REDRAWN * NS or len(self._profiles) < 2:
             return
-        self._drawn = self.seconds
+        self._drawn = latest
         missing = (self._profiles.maxlen or 0) - len(self._profiles)
         history = np.stack([*[np.full_like(self._profiles[0], np.nan)] * missing, *self._profiles])
         for pipe in range(history.shape[1]):
-            length_time.draw(self.stream, pipe, history[:, pipe])
+            length_time.draw_at(self.stream, pipe, history[:, pipe], latest)

@@ -19,7 +19,11 @@ from bridge.wire.link import free_endpoint
 
 START_PATIENCE = 15.0  # [s] for a server to answer
 LOOPBACK = "127.0.0.1"
-MEMORY = ("--memory-limit", "2GB", "--server-memory-limit", "1GB")  # then the oldest data go
+MEMORY = ("--memory-limit", "2GB")  # of a window: then the oldest data go
+KEPT = {
+    True: "512MB",
+    False: "0B",
+}  # for those who come later: pages, but not a window, which is there from the beginning
 
 
 class Program(NamedTuple):
@@ -89,7 +93,17 @@ def _running(*arguments: str, page: int = 0, quiet: bool = False) -> Iterator[Pr
 
     path, data = Path(rerun_cli.__file__).with_name("rerun"), _free_port()
     own = {"RUST_LOG": "error", "XDG_RUNTIME_DIR": "/tmp"}
-    command = [path, "--bind", LOOPBACK, "--port", str(data), *MEMORY, *arguments]
+    command = [
+        path,
+        "--bind",
+        LOOPBACK,
+        "--port",
+        str(data),
+        *MEMORY,
+        "--server-memory-limit",
+        KEPT[page > 0],
+        *arguments,
+    ]
     words = subprocess.DEVNULL if quiet else None
     with guarded() as environment:
         environment = {**own, **environment, "CI": "1"}

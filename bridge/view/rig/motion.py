@@ -26,8 +26,29 @@ INSIDE = 0.94  # oil within its barrel, of the diameter
 SPILL = 0.01 * 6e4  # [m] of arrow for a flow over the relief valve: 10 mm a l/min
 
 
+def prepare(stream: Any, stage: Stage) -> None:
+    """Log once how what moves looks: Rerun's server keeps for good whatever is the same at all times."""
+    import rerun as rr
+
+    looks: dict[str, Any] = {"cavities": rr.Ellipsoids3D.from_fields(colors=[CAVITY], fill_mode="solid")}
+    solid = rr.Cylinders3D.from_fields(fill_mode="solid", **stage.axis.turn())
+    ball = rr.Ellipsoids3D.from_fields(fill_mode="solid")
+    looks |= {f"oil/{name}": ball if is_motor(stage.values) else solid for name in CHAMBERS}
+    if not is_motor(stage.values) and has_spring(stage):
+        looks["spring"] = rr.LineStrips3D.from_fields(radii=0.008, colors=[BRASS])
+    if not is_motor(stage.values) and kind_of(stage.values, "load") == "lever":
+        looks["lever"] = rr.LineStrips3D.from_fields(radii=0.022, colors=[BRASS])
+    if kind_of(stage.values, "relief valve") != "none":
+        origin = [RELIEF_AT + 0.05 * RIGHT]
+        looks["valves/spill"] = rr.Arrows3D.from_fields(origins=origin, radii=0.006, colors=[(240, 136, 46)])
+    if kind_of(stage.values, "accumulator") != "none":
+        looks["accumulator/oil"] = rr.Cylinders3D.from_fields(fill_mode="solid")
+    for part, look in looks.items():
+        stream.log(f"rig/{part}", look, static=True)
+
+
 def move(stream: Any, stage: Stage, frames: Frames) -> None:
-    """Send all that moves."""
+    """Send all that moves; `prepare` has said how it looks."""
     if not len(frames.stamps):
         return
     time = [time_column(frames.stamps)]
@@ -69,19 +90,16 @@ def _move_actuator(stream: Any, time: list[Any], stage: Stage, frames: Frames) -
             radii=np.full(len(x), INSIDE * 0.5 * stage.bore),
             colors=pressure_colours(frames.state[f"p_{name}"]),
         )
-        solid = rr.Cylinders3D.from_fields(fill_mode="solid", **stage.axis.turn())
-        stream.log(f"rig/oil/{name}", solid, static=True)
         stream.send_columns(f"rig/oil/{name}", time, oil)
     if has_spring(stage):
-        _move_strips(stream, "rig/spring", time, spring_strips(stage, x), 0.008)
+        _move_strips(stream, "rig/spring", time, spring_strips(stage, x))
     if kind_of(stage.values, "load") == "lever":
-        _move_strips(stream, "rig/lever", time, lever_strips(stage, x), 0.022)
+        _move_strips(stream, "rig/lever", time, lever_strips(stage, x))
 
 
-def _move_strips(stream: Any, entity: str, time: list[Any], strips: list[Any], radius: float) -> None:
+def _move_strips(stream: Any, entity: str, time: list[Any], strips: list[Any]) -> None:
     import rerun as rr
 
-    stream.log(entity, rr.LineStrips3D.from_fields(radii=radius, colors=[BRASS]), static=True)
     stream.send_columns(entity, time, rr.LineStrips3D.columns(strips=strips))
 
 
@@ -100,7 +118,6 @@ def _move_drum(stream: Any, time: list[Any], stage: Stage, frames: Frames) -> No
             centers=np.repeat(stage.ports[name][None], len(half), axis=0),
             colors=pressure_colours(frames.state[f"p_{name}"]),
         )
-        stream.log(f"rig/oil/{name}", rr.Ellipsoids3D.from_fields(fill_mode="solid"), static=True)
         stream.send_columns(f"rig/oil/{name}", time, ball)
 
 
@@ -118,8 +135,6 @@ def _move_valves(stream: Any, time: list[Any], stage: Stage, frames: Frames) -> 
         return
     flow = SPILL * np.maximum(s["flow_relief"], 0.0)
     spill = rr.Arrows3D.columns(vectors=np.outer(flow + 1e-4, RIGHT))
-    style = rr.Arrows3D.from_fields(origins=[RELIEF_AT + 0.05 * RIGHT], radii=0.006, colors=[(240, 136, 46)])
-    stream.log("rig/valves/spill", style, static=True)
     stream.send_columns("rig/valves/spill", time, spill)
 
 
@@ -136,7 +151,6 @@ def _move_accumulator(stream: Any, time: list[Any], stage: Stage, frames: Frames
         radii=np.full(len(height), BOTTLE_RADIUS),
         colors=pressure_colours(pressure),
     )
-    stream.log("rig/accumulator/oil", rr.Cylinders3D.from_fields(fill_mode="solid"), static=True)
     stream.send_columns("rig/accumulator/oil", time, oil)
 
 
@@ -151,7 +165,6 @@ def _move_cavities(stream: Any, time: list[Any], stage: Stage, frames: Frames) -
         centres[:, 1] = front + stage.axis.at(PISTON + frames.state["position"])
     radii = np.repeat(ball_radius(frames.cavity).reshape(-1, 1), 3, axis=1)
     balls = rr.Ellipsoids3D.columns(half_sizes=radii, centers=centres.reshape(-1, 3)).partition([places] * count)
-    stream.log("rig/cavities", rr.Ellipsoids3D.from_fields(colors=[CAVITY], fill_mode="solid"), static=True)
     stream.send_columns("rig/cavities", time, balls)
 
 

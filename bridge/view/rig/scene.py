@@ -7,11 +7,12 @@ from bridge.view.rig.bodies import actuator
 from bridge.view.rig.extras import extras
 from bridge.view.rig.labels import label
 from bridge.view.rig.looks import BRASS, DARK, GLASS, RED, STEEL, WATER
+from bridge.view.rig.motion import prepare
 from bridge.view.rig.stage import BACK, PUMP, RELIEF_AT, RIGHT, TANK, TEE, UP, VALVE, Stage
 
 
 def stand(stream: Any, stage: Stage) -> None:
-    """Log all that does not move."""
+    """Log all that does not move, and how the rest looks."""
     import rerun as rr
 
     stream.log("rig", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
@@ -22,6 +23,7 @@ def stand(stream: Any, stage: Stage) -> None:
     _supply(stream, kind_of(stage.values, "supply"))
     extras(stream, stage)
     label(stream, stage)
+    prepare(stream, stage)
 
 
 def _pipes(stream: Any, stage: Stage) -> None:
