@@ -27,7 +27,7 @@ def screenshot(path: Path, fill: Callable[[Program], float | None]) -> Path:
             client = _client(program)
             at = fill(program)
             _take(client, program, path, at)
-        except (RuntimeError, ConnectionError) as error:
+        except (RuntimeError, ConnectionError, TimeoutError) as error:
             gone = program.process.poll() is not None
             raise UsageError(GRAPHICS if gone else f"no picture: {error}") from None
     return path
