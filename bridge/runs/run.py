@@ -92,12 +92,14 @@ def shown(outcome: Outcome) -> Outcome:
     """The outcome for people: with a picture, and with where it stands among the stable gains of its loop."""
     if outcome.data is None or outcome.summary is None or outcome.interrupted:
         return outcome
+    from bridge.scenario.plausible import DELAY
     from bridge.scenario.relief_swing import swing_notes
     from bridge.studies.stability.notes import timing_notes
     from bridge.studies.stability.operating import operating_point
 
     scenario, metrics = outcome.scenario, outcome.summary.metrics
-    notes = [*outcome.notes, *timing_notes(scenario), *swing_notes(scenario)]
+    timed = timing_notes(scenario) if scenario.loop.delay <= DELAY.high else []  # a longer one is noted already
+    notes = [*outcome.notes, *timed, *swing_notes(scenario)]
     picture, refused = _picture(scenario, outcome.data)
     point = None if outcome.options.external else operating_point(scenario, metrics)  # of the scenario's own law
     faults = [*outcome.faults, *refused]

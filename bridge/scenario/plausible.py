@@ -26,6 +26,7 @@ class Range(NamedTuple):
 
 DIFFERENCE = Range(1e2, 5e7)  # of pressures: 1 mbar to 500 bar
 BORE = Range(1e-4, 1.0)
+DELAY = Range(1e-6, 1.0)
 OF_UNIT = {  # where nothing else is said of a name
     "Pa": Range(1e4, 1.5e8),  # 0.1 to 1500 bar
     "m": Range(1e-7, 200.0),
@@ -62,6 +63,7 @@ OF_NAME = {  # by the last word of a name, or by all of it
     **dict.fromkeys(("speed", "efficiency_speed"), Range(0.05, 250.0)),  # to 15 000 rpm
     **dict.fromkeys(("loop.step", "loop.daq_period"), Range(1e-7, 0.1)),
     "loop.sample_period": Range(1e-6, 1.0),
+    "loop.delay": DELAY,
     **dict.fromkeys(("run_up", "retardation", "retardation_2", "command_timeout"), Range(1e-6, 1e3)),
 }
 OF_ARC = ("stroke", "position", "neutral", "added_at", "position_range", "velocity_range")  # of a motor: any turns

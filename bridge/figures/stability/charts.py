@@ -35,7 +35,7 @@ LONGEST, HIGHEST = 20.0, 5.0  # tau, s
 CELLS = 200  # a side; numbers are those of their middles
 FINE = 4000  # places along a curve
 NEAR = 1e-3  # relative step in s and in tau to either side of a curve, to see whether stability ends there
-JUMP, HALVINGS = 0.01 * HIGHEST, 7  # in s between neighbours on a damped curve, and how often their gap is halved
+JUMP, HALVINGS = 0.01 * HIGHEST, 14  # in s between neighbours on a damped curve, and how often their gap is halved
 FLIP, PAIR, FOLD = "#b3261e", "#1f4e9c", "0.35"
 CURVES = Damped(0.0, 1.0)  # of 5.7
 
