@@ -146,6 +146,8 @@ def print_info(found: "RecordingInfo") -> None:
         console.print(plain_text(note, "yellow"))
     print_table(("", ""), [(name, plain(value)) for name, value in _facts(found)])
     print_table(("channel", "type", "messages", "from", "to", "rate", "gaps", "longest", "lost"), _channels(found))
+    if "imported" in found.metadata:
+        print_imported_signals(found.metadata["imported"])
     _print_events(console, found.events)
     if found.summary and found.summary.metrics:
         print_table(("metric", ""), _metric_rows(found.summary))
@@ -154,9 +156,34 @@ def print_info(found: "RecordingInfo") -> None:
 def _facts(found: "RecordingInfo") -> list[tuple[str, Any]]:
     names = ("ending", "scenario", "title", "rig", "mode", "speed", "recorded", "run_id")
     names += ("law", "parameters", "lost", "host", "versions")
-    own = [(f"{name}.{key}", value) for name, values in found.metadata.items() for key, value in values.items()]
+    others = {name: values for name, values in found.metadata.items() if name != "imported"}
+    own = [(f"{name}.{key}", value) for name, values in others.items() for key, value in values.items()]
+    own = [*told_of_log(found.metadata["imported"]), *own] if "imported" in found.metadata else own
     known = found.plain()
     return [(name, known[name]) for name in names if known.get(name) not in (None, "", {})] + own
+
+
+def told_of_log(told: dict[str, Any]) -> list[tuple[str, str]]:
+    """What an imported recording says of its log; its signals have a table of their own."""
+    from bridge.recording.imported import rows_in_words
+
+    time = told["time"]
+    words = f"first {time.get('first')}, usually every {time.get('interval', 0.0) * 1e3:.6g} ms"
+    jitter = f", at most {time.get('jitter', 0.0) * 1e3:.3g} ms off" if time.get("jitter", 0.0) > 1e-9 else ""
+    named = [("log", told["source"]), ("sha256", told["sha256"]), ("form", str(told.get("form")))]
+    counted = [("rows", rows_in_words(told["rows"])), ("time", words + jitter)]
+    return [*named, ("map", str(told.get("map"))), *counted, *(("note", str(note)) for note in told["notes"])]
+
+
+def print_imported_signals(told: dict[str, Any]) -> None:
+    """Where each signal of an imported recording comes from, and what is missing of it."""
+    from bridge.recording.imported import holes_in_words, noise_in_words
+
+    rows = [
+        (name, entry["column"], entry["taken in"] or "-", entry["method"], noise_in_words(entry), holes_in_words(entry))
+        for name, entry in told["signals"].items()
+    ]
+    print_table(("signal", "column", "taken in", "method", "noise (rms)", "missing"), rows)
 
 
 def _channels(found: "RecordingInfo") -> list[tuple[str, ...]]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
-from bridge.recording.seen import seen
+from bridge.recording.seen import judged
 from bridge.scenario import Scenario
 from bridge.scenario.courses import reference_course
 from controller.course import NEVER
@@ -27,7 +27,7 @@ def signals(recording: Recording, scenario: Scenario) -> Signals:
 
     Of a measured recording those of its sensors.
     """
-    state = seen(recording)
+    state = judged(recording)
     time = state["stamp"] / NS
     return Signals(
         time=time,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bridge.errors import UsageError, nearest
+from bridge.recording.imported import is_measured
 from bridge.recording.reader import Recording
 from bridge.recording.signals import COMPARED, Signal, signals_of
 from bridge.scenario.units import UNITS, quantity
@@ -39,12 +40,29 @@ def compare(
 
     tolerances: pattern of signals -> "0.1 mm"; without one nothing may differ. Raises UsageError for wrong ones.
     """
-    mine_of, other_of = signals_of(mine, topics), signals_of(other, topics)
+    mine_of, other_of = _known(mine, topics), _known(other, topics)
     names = list(dict.fromkeys((*mine_of, *other_of)))
+    if is_measured(mine) != is_measured(other):  # a rig has no true state, nor a sensor everywhere
+        names = [name for name in names if name in mine_of and name in other_of]
     if not names:
         raise UsageError(f"{mine.path}, {other.path}: there is no signal in them to compare")
     allowed = _allowed(tolerances or {}, {name: (mine_of.get(name) or other_of[name]).unit for name in names})
     return [difference(name, mine_of.get(name), other_of.get(name), allowed[name], partly) for name in names]
+
+
+def _known(recording: Recording, topics: tuple[str, ...]) -> dict[str, Signal]:
+    """The signals of a recording; of a measured one those with a value, and these without what is missing."""
+    found = signals_of(recording, topics)
+    if not is_measured(recording):
+        return found
+    kept = {name: without_missing(signal) for name, signal in found.items()}
+    return {name: signal for name, signal in kept.items() if len(signal.stamp)}
+
+
+def without_missing(signal: Signal) -> Signal:
+    """A signal that was measured, without the instants at which it is not known."""
+    rows = np.isfinite(signal.value)
+    return signal._replace(stamp=signal.stamp[rows], value=signal.value[rows])
 
 
 def difference(name: str, mine: Signal | None, other: Signal | None, tolerance: float, partly: bool) -> Difference:

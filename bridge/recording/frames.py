@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridge.recording.reader import Recording
+from bridge.recording.seen import seen
 from controller.grid import NS
 from twin.topology import HOLLOWS, LINES, PIPES, PLACES, POINTS, cavity
 
@@ -17,14 +18,14 @@ class Frames(NamedTuple):
     """One row an instant; SI."""
 
     stamps: NDArray[np.int64]  # [ns]
-    state: dict[str, Array]  # fields of the true state
+    state: dict[str, Array]  # fields of the true state; NaN where a rig was measured and no sensor read it
     pressure: Array  # (n, 6, places)
     cavity: Array  # (n, 15)
 
 
 def frames(recording: Recording) -> Frames:
     """The frames of a recording: where both state and profile are known."""
-    state = recording.columns("state")
+    state = seen(recording)
     stamps, pressure, cavity = profiles(recording)
     shared, rows, at = np.intersect1d(state["stamp"], stamps, return_indices=True)
     return Frames(shared, {name: column[rows] for name, column in state.items()}, pressure[at], cavity[at])
@@ -37,7 +38,7 @@ def profiles(recording: Recording) -> tuple[NDArray[np.int64], Array, Array]:
     """
     lines = recording.messages("lines")
     if not lines:
-        return _straight(recording.columns("state"))
+        return _straight(seen(recording))
     stamps = np.array([line.stamp for line in lines], np.int64)
     pressure = np.array([line.pressure for line in lines]).reshape(len(lines), LINES, -1)
     return stamps, pressure, np.array([line.cavity for line in lines])

@@ -1,5 +1,6 @@
 """What people should know of a run, without its being a failure."""
 
+from bridge.recording.imported import measured_in_words
 from bridge.recording.reader import Recording
 from bridge.wire.messages import EventKind
 
@@ -9,4 +10,8 @@ def remarks(recording: Recording) -> list[str]:
     lacks = recording.metadata.get("recorder", {}).get("lacks", [])
     events = recording.messages("event") if "event" in recording.counts else []
     mixed = [event.text for event in events if event.kind == EventKind.DIFFERS]
-    return [*dict.fromkeys(mixed), *(str(lack) for lack in lacks if isinstance(lacks, list))]
+    return [
+        *measured_in_words(recording),
+        *dict.fromkeys(mixed),
+        *(str(lack) for lack in lacks if isinstance(lacks, list)),
+    ]

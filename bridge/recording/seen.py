@@ -11,6 +11,7 @@ from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, field_names
 from twin.topology import CHANNELS
 
 STATE = "state"
+JUDGED = ("position", "p1", "p_lower", "p_upper", "spool")
 FIELDS = field_names(TOPICS[STATE].type)
 
 
@@ -27,6 +28,16 @@ def seen(recording: Recording) -> dict[str, NDArray[Any]]:
         further = recording.columns(CHANNELS_TOPIC)
         found |= {name: further[name] for name in FIELDS if name in further}
     return found | {"reference": commanded(recording, stamps)}
+
+
+def judged(recording: Recording) -> dict[str, NDArray[Any]]:
+    """The same for metrics and bands: of a measured recording the rows that lack nothing that others have."""
+    state = seen(recording)
+    if not is_measured(recording):
+        return state
+    ever = [np.isfinite(state[name]) for name in JUDGED if np.isfinite(state[name]).any()]
+    rows = np.all(ever, axis=0) if ever else np.ones(len(state["stamp"]), bool)
+    return {name: column[rows] for name, column in state.items()} if rows.any() else state
 
 
 def commanded(recording: Recording, stamps: NDArray[np.int64]) -> NDArray[np.float64]:

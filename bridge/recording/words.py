@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from bridge.recording.imported import facts, is_measured
 from bridge.recording.reader import Recording
 from bridge.recording.summary import summary_of
 from bridge.scenario.bands import metric_words
@@ -13,12 +14,24 @@ MODES = {Mode.INPROCESS: "in one process", Mode.LOCKSTEP: "in lockstep", Mode.RE
 def sentence(recording: Recording) -> str:
     """The run in one sentence."""
     run, summary = recording.metadata.get("run", {}), summary_of(recording)
-    what = _control(run.get("scenario", {}))
+    if is_measured(recording):
+        simulated = summary and summary.simulated
+        return f"{'A log' if simulated is None else f'{simulated:g} s'} measured on a rig, {_origin(recording)}."
+    what = _replayed(run.get("replayed")) or _control(run.get("scenario", {}))
     how = MODES.get(run.get("mode", ""), "")
     simulated = summary and summary.simulated
     span = "A run" if simulated is None else f"{simulated:g} s"
     ending = summary.ending if summary else "not ended, shown as far as it goes"
     return f"{' '.join(filter(None, (span, how, what)))}: {ending}."
+
+
+def _replayed(told: Any) -> str:
+    return f"of {told.get('file')} into the {told.get('into')}" if isinstance(told, dict) else ""
+
+
+def _origin(recording: Recording) -> str:
+    told = facts(recording)
+    return f"imported from {told.get('source', 'a log')} by {told.get('map', 'a map')}"
 
 
 def _control(scenario: dict[str, Any]) -> str:

@@ -9,6 +9,7 @@ from bridge.errors import RunError, UsageError
 from bridge.loop.controller import ControllerSide
 from bridge.machine.process import Stop
 from bridge.recording.compare import compare
+from bridge.recording.imported import is_measured
 from bridge.recording.reader import Entry, Recording, read
 from bridge.recording.reader import recording as in_memory
 from bridge.recording.summarise import NEEDED, summarise
@@ -140,14 +141,17 @@ def _judge(recorded: Recording, replayed: Recording, request: Through) -> Replay
     topics = COMPARED[request.into]
     wanted = tuple(topic for topic in topics if recorded.counts.get(topic))
     differences = compare(replayed, recorded, request.tolerances, wanted, partly=_may_lack(recorded, request.into))
-    events = events_apart(replayed, recorded) if request.into == "plant" and "event" in recorded.counts else None
+    if is_measured(recorded):
+        differences = [difference for difference in differences if difference.instants]
+    judged = request.into == "plant" and "event" in recorded.counts and not is_measured(recorded)
+    events = events_apart(replayed, recorded) if judged else None
     missing = _lost(recorded).get("command" if request.into == "plant" else "measurement", 0)
     return ReplayResult(request.into, differences, events, request.output, missing)
 
 
 def _may_lack(recorded: Recording, into: str) -> bool:
-    """Instants may be missing where messages were lost on the way to the file, or the file was cut off."""
-    return not recorded.complete or bool(_lost(recorded))
+    """Instants may be missing where messages were lost on the way to the file, it was cut off, or a log has holes."""
+    return not recorded.complete or bool(_lost(recorded)) or is_measured(recorded)
 
 
 def _lost(recorded: Recording) -> Mapping[str, int]:

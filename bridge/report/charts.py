@@ -14,6 +14,7 @@ from bridge.scenario.fitted import kind_of, of_drive, positive_words
 from twin.topology import CAVITIES
 
 RUNS = tuple(LIGHT[name] for name in ("blue", "orange", "green", "violet", "red", "grey"))  # one per run, in an overlay
+MEASURED_WORDS = "Of what was measured on a rig: what its sensors read, and the command that was sent."
 LEAST_CAVITY = 1e-9  # [m^3]
 
 
@@ -29,10 +30,16 @@ class Chart(NamedTuple):
         """What is drawn in it."""
         return GROUPS[self.name]
 
-    def caption(self, run: Run) -> str:
-        """What to see in it, in the words of the run's drive."""
-        values = run.scenario.rig_values()
-        return of_drive(self.reads, values).replace("positive lifts", f"positive {positive_words(values)}")
+    def caption(self, runs: Sequence[Run]) -> str:
+        """What to see in it, in the words of the first run's drive."""
+        values = runs[0].scenario.rig_values()
+        words = of_drive(self.reads, values).replace("positive lifts", f"positive {positive_words(values)}")
+        measured = [run.measured for run in runs]
+        return " ".join(([] if all(measured) else [words]) + [MEASURED_WORDS] * any(measured))
+
+    def filled(self, runs: Sequence[Run]) -> bool:
+        """Does any run know anything of it?"""
+        return any(run.knows(curve.field) for run in runs for curve in self.group.curves)
 
     @property
     def title(self) -> str:
@@ -65,8 +72,9 @@ CHARTS = (
 def draw_chart(chart: Chart, runs: Sequence[Run], names: Sequence[str]) -> Any:
     """A matplotlib figure: of one run all lines in one picture; of several one picture per line, the runs in it."""
     curves = chart.group.curves
-    moved = tuple(curve for curve in curves if any(np.any(run.state.get(curve.field, 0.0)) for run in runs))
-    group = chart.group._replace(curves=moved or curves[:1])
+    known = [curve for curve in curves if any(run.knows(curve.field) for run in runs)]
+    moved = tuple(curve for curve in known if any(np.any(run.state.get(curve.field, 0.0)) for run in runs))
+    group = chart.group._replace(curves=moved or tuple(known[:1]))
     return _single(group, runs[0]) if len(runs) == 1 else _overlay(group, runs, names)
 
 
@@ -88,7 +96,8 @@ def _overlay(group: Group, runs: Sequence[Run], names: Sequence[str]) -> Any:
     figure, axes = canvas(len(group.curves), 1.75)
     for axis, line in zip(axes, group.curves, strict=True):
         for run, name, colour in zip(runs, names, RUNS, strict=False):
-            _plot(axis, run, line, group.scale, name, colour)
+            if run.knows(line.field):
+                _plot(axis, run, line, group.scale, name, colour)
         axis.set_title(_words(line, runs[0]), fontsize=9, loc="left")
         finish(axis, group.axis, max(run.time[-1] for run in runs), last=axis is axes[-1])
     return figure

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from bridge.recording.compare import Difference, difference
+from bridge.recording.compare import Difference, difference, without_missing
 from bridge.recording.signals import Signal, signals_of
 from bridge.recording.summary import plain_metrics
 from bridge.report.subject import Run
@@ -21,12 +21,17 @@ def signal_differences(run: Run, other: Run) -> list[Difference]:
     shared = [name for name in SIGNALS if name in run.state and name in other.state]
     found = [difference(name, _signal(run, name), _signal(other, name), 0.0, partly=True) for name in shared]
     mine, theirs = (signals_of(each.recording, (CHANNELS_TOPIC, "signals")) for each in (run, other))
-    found += [difference(name, mine[name], theirs[name], 0.0, partly=True) for name in mine if name in theirs]
+    pairs = [(_there(run, mine[name]), _there(other, theirs[name])) for name in mine if name in theirs]
+    found += [difference(one.name, one, two, 0.0, partly=True) for one, two in pairs]
     return [_shown(each) for each in found if each.instants]
 
 
 def _signal(run: Run, name: str) -> Signal:
-    return Signal(name, SIGNALS[name], run.state["stamp"], run.state[name])
+    return _there(run, Signal(name, SIGNALS[name], run.state["stamp"], run.state[name]))
+
+
+def _there(run: Run, signal: Signal) -> Signal:
+    return without_missing(signal) if run.measured else signal
 
 
 def _shown(found: Difference) -> Difference:

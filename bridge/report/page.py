@@ -87,8 +87,8 @@ def figure(drawn: object, name: str, title: str, caption: str) -> str:
 
 
 def _charts(runs: list[Run], names: list[str]) -> str:
-    shown = [chart for chart in CHARTS if any(chart.shown(run) for run in runs)]
-    drawn = [figure(draw_chart(chart, runs, names), chart.name, chart.title, chart.caption(runs[0])) for chart in shown]
+    shown = [chart for chart in CHARTS if chart.filled(runs) and any(chart.shown(run) for run in runs)]
+    drawn = [figure(draw_chart(chart, runs, names), chart.name, chart.title, chart.caption(runs)) for chart in shown]
     own = [
         figure(draw_own(chart, runs, names), f"signals{i}", chart.title, chart.kind.caption)
         for i, chart in enumerate(own_charts(runs), 1)
@@ -106,7 +106,7 @@ def _stability(runs: list[Run], names: list[str]) -> str:
 def _maps(runs: list[Run], names: list[str]) -> list[str]:
     caption = "Each pipe from its first end, at the bottom, to its second. Violet is vapour."
     titles = ["Pressure over length and time" + (f": {name}" if len(runs) > 1 else "") for name in names]
-    pairs = enumerate(zip(runs, titles, strict=True), 1)
+    pairs = [(i, pair) for i, pair in enumerate(zip(runs, titles, strict=True), 1) if not pair[0].measured]
     return [figure(draw_maps(run), f"map{i}", title, caption) for i, (run, title) in pairs]
 
 

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from bridge.errors import UsageError
 from bridge.recording.columns import followed
 from bridge.recording.frames import profiles
+from bridge.recording.imported import is_measured
 from bridge.recording.reader import Recording, read
+from bridge.recording.seen import instants, seen
 from bridge.recording.summarise import known_or_made
 from bridge.recording.summary import Summary
 from bridge.recording.verdict import verdict
@@ -36,6 +38,15 @@ class Run(NamedTuple):
         return self.recording.path.stem
 
     @property
+    def measured(self) -> bool:
+        """Was it measured on a rig, so that the state is what sensors have read, else NaN?"""
+        return is_measured(self.recording)
+
+    def knows(self, field: str) -> bool:
+        """Is there any value of a field of the state?"""
+        return field in self.state and bool(np.isfinite(self.state[field]).any())
+
+    @property
     def passed(self) -> bool:
         """Did the run and every band go well?"""
         return not self.faults and all(verdict.passed for verdict in self.verdicts)
@@ -49,12 +60,12 @@ class Run(NamedTuple):
 def load_run(path: Path) -> Run:
     """Read a recording. Raises UsageError when there is nothing in it to report on."""
     recording = read(path)
-    if recording.counts.get("state", 0) < 2:
+    if instants(recording) < 2:
         raise UsageError(f"{path}: the recording holds no state of a plant, so there is nothing to report")
     scenario = recording.scenario()
     summary = known_or_made(recording, scenario)
     faults, verdicts = verdict(summary, scenario), judge_run(scenario, summary, path)
-    state = recording.columns("state")
+    state = seen(recording)
     time = state["stamp"] / NS
     return Run(recording, scenario, summary, verdicts, faults, state, time, followed(recording, scenario, time))
 

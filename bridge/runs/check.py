@@ -14,6 +14,7 @@ from bridge.processes.options import RunOptions
 from bridge.recording.columns import signals, sine_of
 from bridge.recording.names import own_name
 from bridge.recording.reader import Recording, read
+from bridge.recording.seen import judged
 from bridge.recording.signals import signals_of
 from bridge.recording.summary import Summary
 from bridge.runs.run import run_scenario
@@ -174,7 +175,7 @@ class Look:
 
     def __init__(self, recording: Recording | Path, scenario: Scenario) -> None:
         circuit, found = circuit_of(scenario), read(recording) if isinstance(recording, Path) else recording
-        columns = found.columns("state")
+        columns = judged(found)
         self.run = signals(found, scenario)
         self.frequency = sine_of(scenario)
         self.time = columns["stamp"] / NS

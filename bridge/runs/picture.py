@@ -12,6 +12,7 @@ from bridge.drawing.colours import LIGHT
 from bridge.recording.changes import caption, changes, mark, number, shade, spans
 from bridge.recording.columns import followed, relief_moved, vapour
 from bridge.recording.reader import Recording
+from bridge.recording.seen import seen
 from bridge.recording.shown import GROUPS, MEASURED
 from bridge.scenario import Scenario
 from bridge.scenario.fitted import kind_of, of_drive
@@ -27,7 +28,7 @@ def draw(recording: Recording, scenario: Scenario, path: Path) -> Path:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    state = recording.columns("state")
+    state = seen(recording)
     thin = slice(None, None, max(1, len(state["stamp"]) // MOST_POINTS))
     timing = recording.columns("timing")
     happened = ((_relief, relief_moved(state)), (_vapour, vapour(state).max() > LEAST_VAPOUR))

@@ -11,6 +11,7 @@ from bridge.errors import UsageError
 from bridge.recording.changes import changes
 from bridge.recording.frames import Frames, frames
 from bridge.recording.reader import Recording
+from bridge.recording.seen import instants, seen
 from bridge.recording.shown import GROUPS, line_ends
 from bridge.recording.told import events_of
 from bridge.recording.words import run_in_words
@@ -118,9 +119,9 @@ def _send_changes(stream: Any, recording: Recording) -> None:
     import rerun as rr
 
     changed = changes(recording)
-    if not changed or not recording.counts.get("state"):
+    if not changed or not instants(recording):
         return
-    state, stamps = recording.columns("state"), np.array([round(change.time * NS) for change in changed])
+    state, stamps = seen(recording), np.array([round(change.time * NS) for change in changed])
     at = np.interp(stamps, state["stamp"], state["position"]) * GROUPS["position"].scale
     stream.log(CHANGES, rr.SeriesPoints(markers="diamond", colors=MARK, marker_sizes=5.0, names="change"), static=True)
     stream.send_columns(CHANGES, [time_column(stamps)], rr.Scalars.columns(scalars=at))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bridge.drawing.colours import DARK
 from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Recording
+from bridge.recording.seen import STATE, seen
 from bridge.recording.shown import GROUPS, MEASURED, ORDER, tap_words
 from bridge.scenario.units import shown
 from bridge.wire.channels import Layout
@@ -185,7 +186,8 @@ def chosen_in(recording: Recording) -> Chosen:
 def draw(recording: Recording) -> list[Drawn]:
     """The curves that have something to show."""
     curves = [*CURVES, *chosen_in(recording).curves]
-    columns = {topic: recording.columns(topic) for topic in {curve.topic for curve in curves}}
+    topics = {curve.topic for curve in curves}
+    columns = {topic: seen(recording) if topic == STATE else recording.columns(topic) for topic in topics}
     filled = [Drawn(curve, *samples(curve, columns[curve.topic])) for curve in curves]
     return [drawn for drawn in filled if len(drawn.stamps)]
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from bridge.errors import UsageError
 from bridge.machine.process import Stop
 from bridge.recording.reader import Recording, read
+from bridge.recording.seen import instants, seen
 from bridge.view.content import APPLICATION, send, write
 from bridge.view.rerun_program import (
     Program,
@@ -44,14 +45,14 @@ def show(
 def readable(file: Path) -> Recording:
     """A recording with something to show."""
     recording = read(file)
-    if not any(True for _ in recording.of("state")):
+    if not instants(recording):
         raise UsageError(f"{file}: the recording holds no state of a plant, so there is nothing to show")
     return recording
 
 
 def _fill(program: Program, recording: Recording, at: float) -> float:
     send(connected(program, APPLICATION), recording, bare=True)
-    stamps = recording.columns("state")["stamp"]
+    stamps = seen(recording)["stamp"]
     return at if at >= 0.0 else SHARE * float(stamps[-1]) / NS
 
 
