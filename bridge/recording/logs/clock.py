@@ -38,6 +38,10 @@ class Clock(NamedTuple):
 def clock_of(table: Table, column: Column, time: Time, rows: int, who: str) -> Clock:
     """The clock of a column's rows. Raises UsageError for times that cannot be one."""
     ticks, scale, zero, origin = _ticks(table, column, time, rows, who)
+    if len(ticks) != rows:
+        raise UsageError(
+            f"{who}: column {column.name!r} has {rows} rows, and its times {len(ticks)}: name times that belong to it"
+        )
     known = np.flatnonzero(np.isfinite(ticks))
     if len(known) < 2:
         raise UsageError(f"{who}: the log has {len(known)} rows with a time; a recording needs two")
