@@ -21,6 +21,11 @@ def import_log(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="[default: LOG.mcap, here]", show_default=False)
     ] = None,
+    guess: Annotated[
+        bool,
+        typer.Option("--guess", help="Print a map to edit: names, units and ranges of the log, and how sure each is."),
+    ] = False,
+    rig: Annotated[str, typer.Option(help="Scenario whose drive the guessed map is for.")] = "ehla",
     as_json: AS_JSON = False,
 ) -> None:
     """Import a log that another program has measured on a rig: a recording that every verb takes.
@@ -29,8 +34,11 @@ def import_log(
     missing in the log stays missing.
     """
     there(log)
+    if guess:
+        _guess(log, rig, as_json)
+        return
     if map_path is None:
-        raise UsageError(f"{log}: --map MAP.toml says which column is which signal: docs/import.md")
+        raise UsageError(f"{log}: --map MAP.toml says which column is which signal; --guess proposes such a map")
     there(map_path)
     from bridge.recording.logs.importing import import_log as write
     from bridge.recording.logs.importing import stem
@@ -40,6 +48,17 @@ def import_log(
         print_json({"recording": str(made.recording.path), **made.recording.metadata["imported"]})
     else:
         _print(made)
+
+
+def _guess(log: Path, rig: str, as_json: bool) -> None:
+    from bridge.recording.logs.guess import guessed_map
+
+    found = guessed_map(log, rig)
+    if as_json:
+        signals = {name: {"column": g.column, "sure": g.sure.word, "why": g.why} for name, g in found.signals.items()}
+        print_json({"map": found.text, "signals": signals})
+    else:
+        print(found.text, end="")
 
 
 def _print(made: "Made") -> None:

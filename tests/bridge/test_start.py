@@ -62,6 +62,7 @@ WORDS = (
     *("campaign none.toml", "campaign pyproject.toml"),
     *("run step --set rig.valve.kind=round", "run step --duration 1.00001"),
     *(f"{verb} none.mcap" for verb in ("info", "view", "digest", "replay", "report", "recover", "export --csv")),
+    *("import none.csv --guess", "import pyproject.toml", "import none.csv --map none.toml"),
     *("compare none.mcap none.mcap", "replay none.mcap --into plant"),
 )
 LIGHT = ("--help", "scenarios", "nonsense")

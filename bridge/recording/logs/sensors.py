@@ -12,6 +12,8 @@ from bridge.scenario.units import split
 
 ROOT_12 = math.sqrt(12.0)  # of an even distribution over a quantum
 SECOND = math.sqrt(6.0)  # rms of x[k-1] - 2 x[k] + x[k+1] of white noise of rms 1
+FEWEST_LEVELS = 8  # among the values: of fewer their steps say little of a converter
+MOST_LEVELS = 0.6  # of the number of values: of more there is hardly a value twice, and no converter
 MEDIAN = 0.6745  # of the absolute values of a normal distribution of rms 1
 
 
@@ -61,20 +63,31 @@ def _difference(noise: str, unit: str, who: str) -> float:
 def estimated(values: NDArray[np.float64]) -> Sensor:
     """Noise by second differences, whose median motion does not shift, and the quantum by the steps between values."""
     known = values[np.isfinite(values)]
-    quantum = _quantum(known)
+    step = quantum(known)
     with np.errstate(invalid="ignore"):
         second = np.abs(values[:-2] - 2.0 * values[1:-1] + values[2:])
     second = second[np.isfinite(second)]
     total = float(np.median(second)) / MEDIAN / SECOND if len(second) else 0.0
-    return Sensor(math.sqrt(max(0.0, total**2 - quantum**2 / 12.0)), quantum, False)
+    return Sensor(math.sqrt(max(0.0, total**2 - step**2 / 12.0)), step, False)
 
 
-def _quantum(values: NDArray[np.float64]) -> float:
-    """The usual step between neighbours among the values that occur; 0 where hardly any occurs twice."""
-    levels = np.unique(values)
-    if len(levels) < 2 or len(levels) > 0.5 * len(values):
+def quantum(values: NDArray[np.float64]) -> float:
+    """The step between neighbours among the values that occur, to a fraction of what they are printed to.
+
+    Of steps that were rounded when they were printed the mean is right, where it is counted over many.
+    """
+    known = values[np.isfinite(values)]
+    levels = np.unique(known)
+    if len(levels) < FEWEST_LEVELS or len(levels) > MOST_LEVELS * len(known):
         return 0.0
-    return float(np.median(np.diff(levels)))
+    steps = np.diff(levels)
+    least = float(np.percentile(steps, 5.0))
+    if not least > 0.0:
+        return 0.0
+    single = steps[steps <= 1.5 * least]
+    rough = float(single.mean())
+    counts = np.concatenate([[0.0], np.cumsum(np.round(steps / rough))])
+    return float(np.polyfit(counts, levels, 1)[0]) if len(single) > 0.3 * len(steps) else 0.0
 
 
 def plain(sensor: Sensor | None) -> dict[str, Any]:

@@ -1,0 +1,106 @@
+"""Which signal of a drive a column may be: by the words of its name, in English and German, and by its unit."""
+
+import re
+from enum import IntEnum
+from itertools import pairwise
+from typing import NamedTuple
+
+from bridge.recording.logs.headers import factor
+from bridge.recording.logs.map import COMMAND, REFERENCE
+from bridge.recording.logs.table import Column
+
+PARTS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[äöüß]+", re.UNICODE)
+
+
+class Sure(IntEnum):
+    """How sure a guess is."""
+
+    UNSURE = 0
+    LIKELY = 1
+    SURE = 2
+
+    @property
+    def word(self) -> str:
+        """For people."""
+        return self.name.lower()
+
+
+class Kind(NamedTuple):
+    """A signal, and how loggers call it."""
+
+    signal: str
+    si: tuple[str, ...]  # units it may have; "" is none
+    words: frozenset[str]  # whole words of a name
+    letters: frozenset[str] = frozenset()  # weaker: one letter, or a short mark
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+LENGTH, SPEED, PRESSURE, FORCE = ("m", ""), ("m/s", ""), ("Pa",), ("N",)
+ELECTRIC = ("", "V", "A")
+KINDS = (  # in the order in which they are tried
+    Kind(
+        REFERENCE,
+        LENGTH,
+        _words("reference ref setpoint target soll sollwert sollposition sollweg desired demand"),
+    ),
+    Kind(
+        COMMAND,
+        ELECTRIC,
+        _words("command cmd valve ventil control controller stellgroesse stellgröße stellsignal spoolref drive output"),
+        _words("u uv"),
+    ),
+    Kind("spool", ELECTRIC, _words("spool schieber lvdt"), _words("y")),
+    Kind("velocity", SPEED, _words("velocity speed geschwindigkeit vel tacho tachometer"), _words("v")),
+    Kind(
+        "position",
+        LENGTH,
+        _words("position pos weg way stroke displacement hub lage travel piston kolben kolbenweg istposition cylinder"),
+        _words("x s"),
+    ),
+    Kind("acceleration", ("m/s^2",), _words("acceleration acc accel beschleunigung"), _words("a")),
+    Kind("force", FORCE, _words("force kraft load last cell"), _words("f")),
+    Kind(
+        "p_p",
+        PRESSURE,
+        _words("supply pump pumpe versorgung system sys source druckversorgung speisedruck"),
+        _words("p0 ps pp s p"),
+    ),
+    Kind("p_t", PRESSURE, _words("tank return ruecklauf rücklauf tankdruck"), _words("t pt r")),
+    Kind("p2", PRESSURE, _words("cap kolbenseite bore head bottom boden"), _words("a pa")),
+    Kind("p3", PRESSURE, _words("rod stange stangenseite ring ringseite annulus"), _words("b pb")),
+)
+OPPOSITE = {"p2": "p3", "p3": "p2"}
+
+
+def parts_of(name: str) -> list[str]:
+    """The words of a name: of CamelCase, snake_case and whatever stands between; one letter of pressures, too."""
+    return [part.lower() for part in PARTS.findall(name)]
+
+
+def candidates(column: Column) -> list[tuple[str, Sure, str]]:
+    """Signals that a column may be, the likeliest first, each with how sure that is and why."""
+    si = factor(column.unit)[0] if column.unit else ""
+    words = parts_of(_without_unit(column))
+    pairs = {a + b for a, b in pairwise(words)}
+    found = []
+    for kind in KINDS:
+        if si not in kind.si:
+            continue
+        if hit := next((word for word in words if word in kind.words), None):
+            found.append((kind.signal, Sure.SURE if si else Sure.LIKELY, f"name {hit!r}"))
+        elif hit := next((word for word in (*words, *sorted(pairs)) if word in kind.letters), None):
+            found.append((kind.signal, Sure.LIKELY if si else Sure.UNSURE, f"letter {hit!r}"))
+    return sorted(found, key=lambda entry: -entry[1])
+
+
+def _without_unit(column: Column) -> str:
+    """The name without an ending that is its unit: the s of time_s is not a letter of the name."""
+    if not column.unit:
+        return column.name
+    ends = [column.unit, column.unit.replace(" ", "_"), column.unit.replace("/", "_").replace("^", "")]
+    return next(
+        (column.name[: -len(end)] for end in ends if column.name.lower().endswith(f"_{end.lower()}")), column.name
+    )
