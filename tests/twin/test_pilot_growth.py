@@ -22,7 +22,7 @@ OTHER_LINES: Changes = {
     "pipe_2": {"length": 2.5},
     "relief": {"nozzle_diameter": 0.8e-3},
 }  # about those of the rig before its calibration
-CALM, SINGING = 10.0, 6.0  # speeds of the pump [Hz]: 8.6 and 2.6 l/min over the valve
+CALM, SINGING, FULL = 10.0, 6.0, 20.5  # speeds of the pump [Hz]: 8.6, 2.6 and 24.2 l/min over the valve
 
 
 def error(speed: float, step: float, rig: Changes, seconds: float = 0.1) -> float:
@@ -34,8 +34,9 @@ def error(speed: float, step: float, rig: Changes, seconds: float = 0.1) -> floa
 
 
 @pytest.mark.parametrize(("step", "within"), [(50e-6, 1.0), (100e-6, 3.0)])
-@pytest.mark.parametrize("speed", [CALM, SINGING])
+@pytest.mark.parametrize("speed", [CALM, SINGING, FULL])
 def test_the_pilot_grows_or_dies_as_theory_says_at_any_step(speed: float, step: float, within: float):
+    """At full flow a mode of the lines at 1439 Hz is the last to die, before the pilot's own swing at 1660 Hz."""
     assert error(speed, step, RIG) == pytest.approx(0.0, abs=within)
 
 
@@ -53,20 +54,23 @@ def test_the_pilot_sings_below_some_five_litres_per_minute():
     assert flows[0] < 5.1 < flows[1]
 
 
-@pytest.mark.parametrize(("step", "within"), [(50e-6, 4.5), (25e-6, 1.2)])
+@pytest.mark.parametrize(("step", "within"), [(50e-6, 1.0), (100e-6, 3.0)])
 def test_with_a_pump_line_of_1_5_m_it_sings_at_every_flow(step: float, within: float):
-    """There line 1 swings with it at 1.47 kHz; an error that falls with the square of the step damps that swing."""
+    """There line 1 swings with it at 1.47 kHz."""
     assert all(theory(speed, LONGER)[0].growth > 80.0 for speed in (6.0, 12.0, 20.0))
     assert error(8.0, step, LONGER, seconds=0.05) == pytest.approx(0.0, abs=within)
 
 
 @pytest.mark.endurance  # a variant of the step of its own; of the valve alone: test_relief_chatter.py
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize(("volume", "speed", "sign"), [(0.75e-6, CALM, -1.0), (10e-6, 15.0, 1.0)])
-def test_oil_before_the_pilot_makes_it_sing_as_theory_says(volume: float, speed: float, sign: float):
+@pytest.mark.parametrize(
+    ("volume", "speed", "step", "within"),
+    [(0.75e-6, CALM, 50e-6, 1.0), (0.75e-6, FULL, 100e-6, 3.0), (10e-6, 15.0, 50e-6, 1.0)],
+)
+def test_oil_before_the_pilot_makes_it_sing_as_theory_says(volume: float, speed: float, step: float, within: float):
     """0.75 cm^3 is the channel of the thesis; with 10 cm^3 it sings at every flow."""
-    assert theory(speed, with_oil(volume))[0].growth * sign > 10.0
-    assert error(speed, 50e-6, with_oil(volume)) == pytest.approx(0.0, abs=1.0)
+    assert abs(theory(speed, with_oil(volume))[0].growth) > 10.0
+    assert error(speed, step, with_oil(volume)) == pytest.approx(0.0, abs=within)
 
 
 @pytest.mark.endurance

@@ -134,10 +134,10 @@ def test_an_impact_whose_rebound_is_shorter_than_the_substep_is_dead():
 
 @pytest.mark.parametrize(
     ("litres", "swell", "column", "coarse", "order"),
-    [(0.12, 1 * BAR, 0, 50e-6, 3.0), (26.7, 0.1 * IMPEDANCE * FLOW, P, 25e-6, 2.0)],
+    [(0.12, 1 * BAR, 0, 50e-6, 3.0), (26.7, 0.1 * IMPEDANCE * FLOW, P, 25e-6, 2.5)],
 )
 def test_smooth_motion_has_its_order(litres: float, swell: float, column: int, coarse: float, order: float):
-    """3 with the poppet alone, as the speed at which it sweeps oil; 2 with the spool, as its backward rule."""
+    """3 with the poppet alone, as the speed at which it sweeps oil; with the spool between 2 and 3, as its rule."""
     flow = litres * LITRE_PER_MINUTE
     p = steady_pressure(flow, VALVE)
 
@@ -155,7 +155,7 @@ def test_smooth_motion_has_its_order(litres: float, swell: float, column: int, c
 @pytest.mark.parametrize("step", [50e-6, 100e-6])
 @pytest.mark.parametrize("bar", [67.0, 300.0])
 @pytest.mark.parametrize("course", ["sudden", "ramp", "fall"])
-def test_the_inlet_is_within_0_07_bar_of_steps_of_1_us_and_its_peak_within_0_01(step: float, bar: float, course: str):
+def test_the_inlet_is_within_0_07_bar_of_steps_of_1_us_and_its_peak_within_0_02(step: float, bar: float, course: str):
     """c to what drives 26.7 l/min at once or within 2 ms, or from it to 30 % of the setting at 60 bar/ms."""
     v, high = valve(pilot_precompression=precompression_for(bar * BAR, FLOW, VALVE)), bar * BAR + IMPEDANCE * FLOW
     courses = {
@@ -167,7 +167,7 @@ def test_the_inlet_is_within_0_07_bar_of_steps_of_1_us_and_its_peak_within_0_01(
     coarse, fine = (run(v, courses[course], 20e-3, s=s, flow=flow, step=h)[:, P] for h in (step, 1e-6))
     fine = fine[round(step / 1e-6) - 1 :: round(step / 1e-6)]
     assert np.abs(coarse - fine).max() < 0.07 * BAR
-    assert coarse.max() == pytest.approx(fine.max(), abs=0.01 * BAR)
+    assert coarse.max() == pytest.approx(fine.max(), abs=0.02 * BAR)
 
 
 @pytest.mark.parametrize(("bar", "grows"), [(67.0, False), (110.0, False), (140.0, True), (300.0, True)])

@@ -145,9 +145,22 @@ def load(a) -> Core:
         Spool(a[3], a[4]),
         Weight(a[5], a[6], a[7]),
         Chambers(a[8], a[9]),
-        Motion(ReliefState(a[10], a[11], a[12], a[13]), a[14], a[15], a[16], a[17], a[18], a[19], a[20], a[21]),
-        a[22],
-        Ledger(a[23], a[24], a[25]),
+        Motion(
+            ReliefState(a[10], a[11], a[12], a[13]),
+            a[14],
+            a[15],
+            a[16],
+            a[17],
+            a[18],
+            a[19],
+            a[20],
+            a[21],
+            a[22],
+            a[23],
+            a[24],
+        ),
+        a[25],
+        Ledger(a[26], a[27], a[28]),
     )
 
 
@@ -161,11 +174,12 @@ def store(s: Core, a) -> None:
     a[8], a[9] = s.chambers.lower, s.chambers.upper
     for i in range(4):
         a[10 + i] = s.relief.state[i]
-    a[14], a[15], a[16], a[17] = s.relief.y, s.relief.y_rate, s.relief.pilot_force, s.relief.spool_gain
-    a[18], a[19], a[20] = s.relief.rise, s.relief.pilot_oil, s.relief.flow
-    a[21], a[22] = s.relief.filling, s.tee
+    a[14], a[15], a[16] = s.relief.y, s.relief.y_rate, s.relief.pilot_force
+    a[17], a[18], a[19] = s.relief.spool_gain, s.relief.spool_gain_before, s.relief.spool_gain_first
+    a[20], a[21], a[22], a[23] = s.relief.rise, s.relief.rise_before, s.relief.pilot_oil, s.relief.flow
+    a[24], a[25] = s.relief.filling, s.tee
     for i in range(3):
-        a[23 + i] = s.ledger[i]
+        a[26 + i] = s.ledger[i]
 
 
 @inlined

@@ -4,7 +4,8 @@ The poppet takes Numerov's rule, x1 - 2 x0 + x_1 = h^2 (a1 + 10 a0 + a_1)/12, so
 damping is the small difference of large terms, has the phase of the equations to order 4. As a rule of one step:
 x1 = x0 + h u0 + h^2 (5 a0 + a1)/12, u1 = u0 + h (a0 + a1)/2; the lift is predicted with a0 for a1, and p2 corrects it.
 The speed that sweeps oil, u1 - h (a1 - a0)/12, is right to order 3. The spool, which orifices damp with 1e5 to 1e7 1/s,
-takes the backward rule of order 2, v1 - v0 = (v0 - v_1)/3 + 2 h a1/3, and x1 = x0 + h (5 v1 + 8 v0 - v_1)/12.
+takes a backward rule in the backward differences of its speed, D v + D^2 v/2 + `THIRD` D^3 v + `FOURTH` D^4 v = h a1,
+and x1 = x0 + h (5 v1 + 8 v0 - v_1)/12.
 Symbols and signs: `README.md`, after (2.35), (2.41) of the thesis. Lifts >= 0 from the seats.
 """
 
@@ -28,6 +29,7 @@ from twin.relief.seat import is_laminar, laminar_conductance, opening_slope, pre
 
 FINEST = 6.25e-6  # [s], shortest substep
 SHARE, LEAST = 0.2, 1e-6  # of its lift, and [m]: how far a substep may move the poppet
+THIRD, FOURTH = 0.28, 0.15  # 0, 0: order 2; 1/3, 0: order 3; chosen for the damping of swings at 1.4 and 1.6 kHz
 SWING = 1.7  # [rad], how far a substep may turn the poppet's own oscillation; the Verlet rule ends at 2
 
 
@@ -48,7 +50,10 @@ class Motion(NamedTuple):
     y_rate: float  # its change in the last substep, per time; 0.0 where its meaning changed
     pilot_force: float  # [N], 0.0 while a stop takes it
     spool_gain: float  # change of its speed in the last substep, per time [m/s^2]; 0.0 after a stop
+    spool_gain_before: float  # the same, a substep earlier
+    spool_gain_first: float  # two substeps earlier
     rise: float  # of the line's c in the last step [Pa]
+    rise_before: float  # the same, a step earlier [Pa]
     pilot_oil: float  # stiffness of p2 against the poppet's lift, spool and inlet fixed [N/m]
     flow: float  # Q [m^3/s]
     filling: float  # into the oil before the pilot seat, C p2' [m^3/s]
@@ -61,10 +66,10 @@ def unsupported(force: float, lift: float, velocity: float, stops: Stops) -> flo
 
 
 @inlined
-def begin(s: ReliefState, p: float, flow: float, valve: Relief, rise: float = 0.0) -> Motion:
+def begin(s: ReliefState, p: float, flow: float, valve: Relief, rise: float = 0.0, rise_before: float = 0.0) -> Motion:
     """Forces of a state at an inlet pressure, in closed form, the pressure before the pilot seat at rest.
 
-    rise: of the line's c in the step before [Pa].
+    rise, rise_before: of the line's c in the step before and in the one before that [Pa].
     """
     pilot, o = valve.pilot, valve.orifices
     conductance, area = pilot_opening(s.pilot_lift, pilot)
@@ -74,7 +79,7 @@ def begin(s: ReliefState, p: float, flow: float, valve: Relief, rise: float = 0.
     force = area * p2 - spring_force(s.pilot_lift, pilot) - poppet_drag(s.pilot_lift, pilot) * s.pilot_velocity
     oil = oil_stiffness(y, s.pilot_lift, conductance, area, conductance * y - pushed, valve)
     force = unsupported(force, s.pilot_lift, s.pilot_velocity, pilot.stops)
-    return Motion(s, y, 0.0, force, 0.0, rise, oil, flow, 0.0)
+    return Motion(s, y, 0.0, force, 0.0, 0.0, 0.0, rise, rise_before, oil, flow, 0.0)
 
 
 @inlined
@@ -90,9 +95,11 @@ def move_spool(
 ) -> tuple[float, float, Solution]:
     """Lift of the spool, its gain of speed and the rest of the end of a substep, with its stops."""
     main, x, v = valve.main, m.state.spool_lift, m.state.spool_velocity
-    gained, inertia = h * m.spool_gain, 1.5 * main.mass * per_h
-    known = (7.0 * v + gained) / 12.0
-    free = SpoolEnd(x + h * known, v + gained / 3.0, v + gained, inertia, 5.0 / 12.0 * h)
+    gained, before, first = h * m.spool_gain, h * m.spool_gain_before, h * m.spool_gain_first
+    weight, known = 1.5 + THIRD + FOURTH, (7.0 * v + gained) / 12.0
+    inertia = weight * main.mass * per_h
+    behind = (0.5 + 2.0 * THIRD + 3.0 * FOURTH) * gained - (THIRD + 3.0 * FOURTH) * before + FOURTH * first
+    free = SpoolEnd(x + h * known, v + behind / weight, v + gained, inertia, 5.0 / 12.0 * h)
     resting = v == 0.0 and (x <= 0.0 or x >= main.stops.stroke)
     spool, stop = (SpoolEnd(x, 0.0, 0.0, inertia, 0.0) if resting else free), x
     while True:
@@ -185,7 +192,10 @@ def substep(m: Motion, c: float, z: float, h: float, valve: Relief) -> Motion:
         (end.y - m.y) * per_h if alike else 0.0,
         unsupported(force, there, velocity, pilot.stops),
         spool_gain,
+        m.spool_gain,
+        m.spool_gain_before,
         m.rise,
+        m.rise_before,
         oil_stiffness(end.y, there, conductance, area, through, valve),
         end.flow,
         in_oil * (p2 - before) - m.filling if is_compressible(valve.channel) else 0.0,
@@ -213,4 +223,17 @@ def substeps(m: Motion, c_change: float, step: float, valve: Relief) -> int:
 @inlined
 def with_rise(m: Motion, rise: float) -> Motion:
     """The same at the end of a step in which c rose by so much [Pa]."""
-    return Motion(m.state, m.y, m.y_rate, m.pilot_force, m.spool_gain, rise, m.pilot_oil, m.flow, m.filling)
+    return Motion(
+        m.state,
+        m.y,
+        m.y_rate,
+        m.pilot_force,
+        m.spool_gain,
+        m.spool_gain_before,
+        m.spool_gain_first,
+        rise,
+        m.rise,
+        m.pilot_oil,
+        m.flow,
+        m.filling,
+    )

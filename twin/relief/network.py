@@ -111,7 +111,7 @@ class SpoolEnd(NamedTuple):
     lift: float  # but for what the speed at the end adds [m]
     velocity: float  # v that no force would change [m/s]
     guess: float  # v from which the iteration starts [m/s]
-    inertia: float  # 3 m/(2 h) [N s/m]
+    inertia: float  # (3/2 + THIRD + FOURTH) m/h [N s/m]
     lift_per_speed: float  # 5 h/12 [s]; 0.0 for a spool whose end is given
 
 

@@ -19,7 +19,7 @@ class NoRelief(NamedTuple):
 
 
 AnyRelief = Relief | DirectRelief | NoRelief
-ABSENT = Motion(ReliefState(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+ABSENT = Motion(ReliefState(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @by_type
@@ -37,7 +37,7 @@ def _(valve: Relief, motion: Motion, before: float, port: Port, memory: NDArray,
 def _(valve: DirectRelief, motion: Motion, before: float, port: Port, memory: NDArray, step: float) -> Motion:
     """Its state is in the memory; of the motion only the flow is used."""
     flow = direct_flow(port, memory, valve)
-    return Motion(motion.state, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, flow, 0.0)
+    return Motion(motion.state, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, flow, 0.0)
 
 
 @move_relief.register
