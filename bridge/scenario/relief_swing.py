@@ -2,12 +2,18 @@
 
 from bridge.scenario.circuit import circuit_of
 from bridge.scenario.model import Scenario
-from twin.circuit.pilot_swing import SelfExcited, self_excited
+from twin.circuit.pilot_swing import SelfExcited, self_excited, swings_below
 
 
 def swing_of(scenario: Scenario) -> SelfExcited | None:
     """What grows by itself; None where nothing does. Raises ScenarioError where the numbers make no circuit."""
     return self_excited(scenario.rig_values(), circuit_of(scenario))
+
+
+def below_rest(scenario: Scenario) -> str:
+    """Where a pilot that is calm at rest oscillates by itself, for people; empty where it never does."""
+    found = swings_below(scenario.rig_values(), circuit_of(scenario))
+    return f"below {found[0] * 6e4:.3g} l/min over the valve, at {found[1]:.0f} Hz; calm at rest" if found else ""
 
 
 def in_numbers(found: SelfExcited) -> str:

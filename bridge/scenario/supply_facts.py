@@ -4,7 +4,7 @@ import math
 from typing import Any, NamedTuple
 
 from bridge.scenario.model import Scenario
-from bridge.scenario.relief_swing import in_numbers, swing_of
+from bridge.scenario.relief_swing import below_rest, in_numbers, swing_of
 from twin.accumulator import ATMOSPHERE, Accumulator, AnyAccumulator, oil_at_rest
 from twin.check_valve import CheckValve
 from twin.circuit.equilibrium import SupplyAtRest, behind_check
@@ -80,10 +80,10 @@ def relief_facts(circuit: Circuit, scenario: Scenario) -> list[Fact]:
 def _two_stages(valve: Relief, scenario: Scenario) -> list[Fact]:
     pilot, main = valve.pilot, valve.main
     found = swing_of(scenario)
+    numbers = below_rest(scenario) if found is None else in_numbers(found)
     words = "relief valve: its pilot oscillates by itself (linear theory)"
-    swinging = [] if found is None else [Fact(words, in_numbers(found))]
     return [
-        *swinging,
+        *([Fact(words, numbers)] if numbers else []),
         Fact("relief valve: cracking pressure", _bar(cracking_pressure(pilot))),
         Fact("relief valve: pilot, spool without oil", f"{_hertz(pilot):.4g} Hz, {_hertz(main):.4g} Hz"),
     ]

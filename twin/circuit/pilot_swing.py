@@ -4,7 +4,7 @@ At the tee the valve sees line 1, behind it the pump that leaks, and beside it l
 fittings. Both are exact and laminar: steady flow in line 1 changes their damping little at the pilot's 1.6 kHz.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -73,17 +73,40 @@ def self_excited(rig: Mapping[str, Any], circuit: Circuit) -> SelfExcited | None
     growth, frequency = _fastest(rig, circuit, flow)
     if growth <= 0.0:
         return None
-    calm, swinging = 0.0, flow
-    for share in range(1, SCANNED)[::-1]:
-        tried = flow * share / SCANNED
-        if _fastest(rig, circuit, tried)[0] <= 0.0:
-            calm = tried
-            break
-        swinging = tried
-    for _ in range(HALVINGS if calm > 0.0 else 0):
-        middle = 0.5 * (calm + swinging)
-        calm, swinging = (calm, middle) if _fastest(rig, circuit, middle)[0] > 0.0 else (middle, swinging)
-    return SelfExcited(growth, frequency, flow, swinging if calm > 0.0 else 0.0)
+    below = next((tried for tried in _smaller(flow) if _fastest(rig, circuit, tried)[0] <= 0.0), 0.0)
+    above = below + flow / SCANNED if below > 0.0 else 0.0
+    return SelfExcited(growth, frequency, flow, _edge(below, above, rig, circuit))
+
+
+def swings_below(rig: Mapping[str, Any], circuit: Circuit) -> tuple[float, float] | None:
+    """Of a pilot that is calm at rest: the flow [m^3/s] below which it oscillates, and its frequency [Hz] there.
+
+    None where it is calm at smaller flows, too, swings at rest, or is none.
+    """
+    flow = supply_at_rest(circuit).relieved
+    if not isinstance(circuit.parts.relief, Relief) or flow <= 0.0 or _fastest(rig, circuit, flow)[0] > 0.0:
+        return None
+    swinging = next((tried for tried in _smaller(flow) if _fastest(rig, circuit, tried)[0] > 0.0), None)
+    if swinging is None:
+        return None
+    edge = _edge(swinging, swinging + flow / SCANNED, rig, circuit)
+    return edge, _fastest(rig, circuit, edge)[1]
+
+
+def _smaller(flow: float) -> Iterator[float]:
+    return (flow * share / SCANNED for share in range(1, SCANNED)[::-1])
+
+
+def _edge(below: float, above: float, rig: Mapping[str, Any], circuit: Circuit) -> float:
+    """Where between two flows the pilot changes from calm to swinging or back, by halving; 0.0 of two zeros."""
+    if above == 0.0:
+        return 0.0
+    grows = _fastest(rig, circuit, below)[0] > 0.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (below + above)
+        same = (_fastest(rig, circuit, middle)[0] > 0.0) == grows
+        below, above = (middle, above) if same else (below, middle)
+    return 0.5 * (below + above)
 
 
 def _fastest(rig: Mapping[str, Any], circuit: Circuit, flow: float) -> tuple[float, float]:
