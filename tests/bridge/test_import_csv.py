@@ -277,16 +277,17 @@ def test_sign_scale_offset_and_delay(tmp_path):
 
 
 def test_methods(tmp_path):
-    """At 0.5 ms between rows of 1 ms: half of both, the one before, the nearer."""
-    grid = MAP.replace('"1 ms"', '"0.5 ms"')
+    """At 0.25 ms between rows of 1 ms: on a line, the row before, the nearer row (in the middle the later one)."""
+    grid = MAP.replace('"1 ms"', '"0.25 ms"')
     lines = "t_s,u,x_mm,p_bar\n" + "".join(f"{k / 1000},{k / 10},{k},{k}\n" for k in range(10))
     (tmp_path / "log.csv").write_text(lines)
-    for method, second in (("linear", 0.5e-3), ("previous", 0.0), ("nearest", 1e-3)):
+    ways = {"linear": [0.0, 0.25, 0.5, 0.75, 1.0], "previous": [0.0] * 4 + [1.0], "nearest": [0.0, 0.0, 1.0, 1.0, 1.0]}
+    for method, expected in ways.items():
         own = grid.format(time="t_s", clock="", position=f'x_mm"\nmethod = "{method}', p2="p_bar")
         made = imported(tmp_path / "log.csv", parsed_map(own, "map"), tmp_path / "map.toml")
         found = measured(made.recording)
-        assert found.signals["position"][:3].tolist() == pytest.approx([0.0, second, 1e-3])
-        assert found.command[:3].tolist() == pytest.approx([0.0, 0.0, 0.01])  # held
+        assert (found.signals["position"][:5] * 1e3).tolist() == pytest.approx(expected)
+        assert found.command[:5].tolist() == pytest.approx([0.0] * 4 + [0.01])  # held
 
 
 def test_the_same_log_and_map_make_the_same_bytes(tmp_path):
