@@ -23,6 +23,11 @@ VERBS = {
         RUN, "sweep:sweep", "Run a scenario at every combination of some of its values: a table, CSV and a picture."
     ),
     "tune": Verb(RUN, "tune:tune", "Find the values of a scenario that make a metric smallest, within bands."),
+    "identify": Verb(
+        RUN,
+        "identify:identify",
+        "Fit numbers of a rig to recordings: the recorded commands through the twin, measured signals compared.",
+    ),
     "campaign": Verb(
         RUN,
         "campaign:campaign",

@@ -34,6 +34,7 @@ ALONE = {  # what each verb is called with; FILE is a recording
         "t.toml",
         "--json",
     ),
+    "identify": ("MOVING", "--fit", "rig.load.mass", "--workers", "1", "-o", "fitted.toml", "--json"),
     "campaign": ("CAMPAIGN", "-o", "campaign", "--workers", "1", "--json"),
     "scenarios": ("--json",),
     "faults": ("--json",),
@@ -80,17 +81,30 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record_in_process(load("step", ["duration=0.2", "controller.kind=open-loop"]), path).path
 
 
+@pytest.fixture
+def moving(recorded: Path) -> str:
+    """A recording in which the rod moves; made by whoever asks first."""
+    path = recorded.parent / "moving.mcap"
+    if not path.is_file():
+        record_in_process(load("ehla", ["duration=1.4"]), path)
+    return str(path)
+
+
 def test_no_verb_is_forgotten():
     assert set(verbs(typer.main.get_command(app))) == {*ALONE, *ON_A_BUS}
 
 
 @pytest.mark.parametrize("verb", ALONE)
-def test_a_verb_prints_json_alone(verb: str, recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_verb_prints_json_alone(
+    verb: str, recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
     (tmp_path / "log.csv").write_text(LOG, encoding="utf-8")
     (tmp_path / "map.toml").write_text(MAP, encoding="utf-8")
     files = {"FILE": str(recorded), "CAMPAIGN": "campaign.toml", "LOG": "log.csv", "MAP": "map.toml"}
+    if "MOVING" in ALONE[verb]:
+        files["MOVING"] = request.getfixturevalue("moving")
     words = [files.get(word, word) for word in (*verb.split(), *ALONE[verb])]
     done = CliRunner().invoke(app, words)
     assert done.exit_code in (0, 1), done.output

@@ -119,10 +119,10 @@ def block_of(plant: Compiled) -> Block:
     step before the end and at the end, and with the OBSERVED quantities at the end. All arrays contiguous.
     """
     if INTERPRETED:
-        return partial(_run_block, *plant)
+        return partial(run_steps, *plant)
     taps, seen = buffers()
     state = np.zeros(MEMORY_AT)
-    run: Any = entry(_run_block, *plant, state, 0.0, 1, taps, seen)
+    run: Any = entry(run_steps, *plant, state, 0.0, 1, taps, seen)
     call, address, reference_at, steps_at = run.call, run.address, run.begins[4], run.begins[5]
     floats, whole = run.floats, run.whole
     last = state, taps, seen
@@ -141,7 +141,7 @@ def block_of(plant: Compiled) -> Block:
 
 
 @kernel
-def _run_block(parts, whole, numbers, state, reference: float, steps: int, taps, seen) -> None:
+def run_steps(parts, whole, numbers, state, reference: float, steps: int, taps, seen) -> None:
     """As `block_of` says; parts, whole, numbers: of `Compiled`."""
     c, lines, s, ends, memory = parts[0], unpacked(whole, numbers), load(state), ends_of(state), state[MEMORY_AT:]
     signals, slots = state[SIGNALS_AT:SLOTS_AT], slots_of(state)

@@ -1,0 +1,130 @@
+"""A fit from files: recordings in, numbers with their uncertainty out, judged on other recordings."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bridge.errors import UsageError
+from bridge.scenario import Scenario, check, load
+from bridge.studies.identification.data import Record, in_steps, only_moving, with_noise
+from bridge.studies.identification.fit import Fitted, Values, fit
+from bridge.studies.identification.parameters import Parameter, parameters_of, priors_of
+from bridge.studies.identification.recorded import record_of, same_grid
+from bridge.studies.identification.residuals import Residuals, Task
+from bridge.studies.identification.simulation import shots_of
+from bridge.studies.identification.starts import Starts, from_several
+from bridge.studies.identification.uncertainty import Uncertainty, uncertainty
+from bridge.studies.identification.whiteness import Whiteness, whiteness
+from bridge.studies.sweep.crew import cores
+from bridge.studies.sweep.engine import Crew
+
+
+class Wanted(NamedTuple):
+    """A fit, as asked for; plain data."""
+
+    files: tuple[str, ...]
+    judge: tuple[str, ...]
+    scenario: Mapping[str, Any]  # the rig to start with, as plain data
+    fit: tuple[str, ...]
+    priors: tuple[str, ...] = ()
+    noise: tuple[tuple[str, float], ...] = ()  # deviations [SI]
+    length: float | None = None  # of shots [s]
+    moving: bool = False
+
+
+class Prepared(NamedTuple):
+    """The same, read."""
+
+    base: tuple[Values, float]  # values of the rig, and the step [s]
+    records: list[Record]
+    parameters: list[Parameter]
+
+
+class Judged(NamedTuple):
+    """What came of a fit."""
+
+    wanted: Wanted
+    scenario: Scenario
+    found: Fitted
+    known: Uncertainty
+    held: Fitted | None  # the recordings it is judged on, with its numbers
+    judged: list[Whiteness]
+    before: list[Whiteness]  # the fitted recordings with the numbers to start with
+    starts: Starts | None
+    seconds: float  # CPU, of the fit
+
+
+def prepared(wanted: Wanted) -> Prepared:
+    """Read what a fit needs. Raises UsageError."""
+    scenario = check(dict(wanted.scenario), "the rig")
+    parameters = parameters_of(wanted.fit, scenario, priors_of(wanted.priors))
+    return Prepared((scenario.rig_values(), scenario.loop.step), records_of(wanted, wanted.files), parameters)
+
+
+def records_of(wanted: Wanted, files: Sequence[str]) -> list[Record]:
+    """Records of files. Raises UsageError."""
+    step = float(check(dict(wanted.scenario), "the rig").loop.step)
+    found = []
+    for file in files:
+        record = record_of(Path(file))
+        try:
+            record = in_steps(record, step)
+        except ValueError as error:
+            raise UsageError(f"{file}: {error}; take another loop.step") from None
+        if record.signal("position") is None:
+            raise UsageError(f"{file}: holds no position; without one nothing says where the rod is")
+        names = [signal.name for signal in record.signals]
+        if strange := [name for name, _ in wanted.noise if name not in names]:
+            raise UsageError(f"--noise {strange[0]}: {file} has {', '.join(names)}")
+        record = with_noise(record, dict(wanted.noise))
+        found.append(only_moving(record) if wanted.moving else record)
+    same_grid(found)
+    return found
+
+
+def identify(wanted: Wanted, starts: int, part: Path | None, crew: Crew) -> Judged:
+    """Fit, and judge. Raises UsageError, RunError."""
+    import time
+
+    ready = prepared(wanted)
+    held = records_of(wanted, wanted.judge)
+    with threads(crew) as own:
+        several = from_several(wanted, ready.parameters, starts, part, crew) if starts > 1 else None
+        began = time.process_time()
+        found = fit(*ready, start=None if several is None else several.best, length=wanted.length, crew=own)
+        seconds = time.process_time() - began
+        before = found._replace(places=0.0 * found.places, shots=Residuals(found.task, own).at(0.0 * found.places))
+        other = on_others(found, held, own) if held else None
+    scenario = check(dict(wanted.scenario), "the rig")
+    judged = [] if other is None else whiteness(other)
+    return Judged(wanted, scenario, found, uncertainty(found), other, judged, whiteness(before), several, seconds)
+
+
+def on_others(found: Fitted, records: Sequence[Record], crew: Executor | None = None) -> Fitted:
+    """Other records with the numbers of a fit; only the starts of the shots are found anew."""
+    task = found.task._replace(records=records, shots=shots_of(records, found.length))
+    return found._replace(task=task, shots=Residuals(task, crew).at(found.places))
+
+
+def threads(crew: Crew) -> AbstractContextManager[Executor | None]:
+    """Threads for the simulations of one fit: these do not hold the interpreter."""
+    count = crew.workers or cores()
+    return nullcontext() if count == 1 else ThreadPoolExecutor(count)
+
+
+def scenario_of(rig: str | None, changes: list[str], files: Sequence[str]) -> tuple[Scenario, str]:
+    """The rig to start with, and what the result extends. Raises UsageError."""
+    from bridge.recording.reader import read
+    from bridge.scenario import names
+
+    if rig is not None:
+        return load(rig, changes), rig
+    recorded = read(Path(files[0]), ()).scenario()
+    if recorded.name not in names():
+        raise UsageError(f"{files[0]} is of the scenario {recorded.name!r}, which is not built in: name it with --rig")
+    return recorded if not changes else load(recorded.name, changes), recorded.name
+
+
+__all__ = ["Judged", "Task", "Wanted", "identify", "scenario_of"]

@@ -1,0 +1,80 @@
+"""Is what a fit leaves noise? For each signal the rms residual, and a test of its correlation with its own past.
+
+G. Ljung and G. Box, Biometrika 65 (1978) 297: Q = n (n + 2) sum r_k^2/(n - k) over lags up to LAGS is chi squared where
+the residual is white. With tens of thousands of samples it sees correlations that change nothing, such as those of
+rounding; so a residual passes, too, whose greatest correlation is below SMALL.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import chi2
+
+from bridge.studies.identification.data import Array
+from bridge.studies.identification.fit import Fitted
+
+LAGS = 20
+DOUBT = 1e-3  # probability below which a residual is not white
+SMALL = 0.05  # correlation that is too small to matter
+LOUD = 1.1  # rms residual, in deviations, above which it is more than the noise
+
+
+class Whiteness(NamedTuple):
+    """Of one signal of one record."""
+
+    record: str
+    signal: str
+    unit: str
+    rms: float  # [SI]
+    deviations: float  # the same in deviations of the noise
+    motion: float  # rms of the signal about its mean [SI]
+    statistic: float  # Q
+    probability: float
+    correlation: float  # greatest, of lags 1 .. LAGS
+
+    @property
+    def passed(self) -> bool:
+        """Is it noise?"""
+        return self.deviations <= LOUD and (self.probability >= DOUBT or self.correlation <= SMALL)
+
+    @property
+    def share(self) -> float:
+        """The rms residual over the rms motion."""
+        return self.rms / self.motion if self.motion > 0.0 else math.inf
+
+
+def whiteness(found: Fitted) -> list[Whiteness]:
+    """Of every signal of every record."""
+    tested = []
+    for number, record in enumerate(found.task.records):
+        pairs = [(shot, at) for shot, at in zip(found.task.shots, found.shots, strict=True) if shot.record == number]
+        for j, signal in enumerate(record.signals):
+            parts = [at.residual.reshape(len(record.signals), -1)[j] for _, at in pairs]
+            spans = [slice(shot.begin + 1, shot.end + 1) for shot, _ in pairs]
+            counted = np.concatenate([signal.counted[span] for span in spans])
+            value = np.concatenate([signal.value[span] for span in spans])[counted]
+            deviations = _rms(np.concatenate(parts), int(counted.sum()))
+            motion = float(np.std(value)) if len(value) else 0.0
+            tested.append(
+                Whiteness(
+                    record.name, signal.name, signal.unit, deviations * signal.deviation, deviations, motion,
+                    *ljung_box(parts),
+                )
+            )  # fmt: skip
+    return tested
+
+
+def _rms(values: Array, count: int) -> float:
+    return math.sqrt(float(values @ values) / max(1, count))
+
+
+def ljung_box(parts: list[Array], lags: int = LAGS) -> tuple[float, float, float]:
+    """Q, its probability and the greatest correlation, over stretches that do not hang together."""
+    power = sum(float(part @ part) for part in parts)
+    count = sum(len(part) for part in parts)
+    if power == 0.0 or count <= lags:
+        return 0.0, 1.0, 0.0
+    r = np.array([sum(float(part[k:] @ part[:-k]) for part in parts) for k in range(1, lags + 1)]) / power
+    statistic = count * (count + 2.0) * float((r**2 / (count - np.arange(1, lags + 1))).sum())
+    return statistic, float(chi2.sf(statistic, lags)), float(np.abs(r).max())
