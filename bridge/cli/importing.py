@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 
 def import_log(
-    log: Annotated[Path, typer.Argument(help="A log: CSV (also .gz), MATLAB, Parquet, MDF, MCAP, or a rosbag2.")],
+    log: Annotated[
+        Path, typer.Argument(metavar="LOG", help="A log: CSV (also .gz), MATLAB, Parquet, MDF, MCAP, or a rosbag2.")
+    ],
     map_path: Annotated[
         Path | None, typer.Option("--map", help="Map, .toml: which column is which signal.", show_default=False)
     ] = None,

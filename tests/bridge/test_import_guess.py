@@ -1,9 +1,11 @@
 """`hydrotwin import --guess`: the proposed map is one that can be used, right but for what no log can say."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.writer import Writer
 
 from bridge.recording.logs.guess import guessed_map
 from bridge.recording.logs.guessed_scale import converter_of
@@ -111,3 +113,23 @@ def test_a_converter_is_found_by_the_steps_between_values(top, bits, digits):
 
 def test_what_has_no_converter_gets_none():
     assert converter_of(np.random.default_rng(5).normal(size=5000)) is None
+
+
+def test_a_bag_has_times_of_its_own_and_what_stands_still_is_no_position(tmp_path):
+    """Topics of JSON without units: the joint that moves, a pressure by its name, and no map of times."""
+    with (tmp_path / "a.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        channel = writer.register_channel("rig", "json", writer.register_schema("rig", "jsonschema", b"{}"))
+        for k in range(ROWS):
+            body = {"name": ["swing", "boom"], "position": [0.5, MM[k] / 1e3], "valve_u": VOLTS[k], "p_cap": BAR[k]}
+            writer.add_message(channel, k * 10**6, json.dumps(body).encode(), k * 10**6, k)
+        writer.finish()
+    found = parsed_map(guessed_map(tmp_path / "a.mcap", "ehla").text, "guess")
+    assert {name: (one.column, one.unit) for name, one in found.signal.items()} == {
+        "position": ("rig.position[boom]", "m"),
+        "command": ("rig.valve_u", "V"),
+        "p2": ("rig.p_cap", "bar"),
+    }
+    rows = measured(imported(tmp_path / "a.mcap", found, tmp_path / "map.toml").recording)
+    assert np.abs(rows.signals["p2"] - BAR * 1e5).max() < 1e-6

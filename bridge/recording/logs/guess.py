@@ -26,9 +26,10 @@ STEP = 50e-6  # [s]: a grid is whole steps of the simulation
 PRESSURES = ("p_p", "p_t", "p1", "p2", "p3")
 SHARES = (COMMAND, "spool")  # of the valve's travel
 UNITS = {"velocity": "m/s", "acceleration": "m/s^2", "force": "N"}  # where nothing is said
+MOST_BAR = 2000.0  # what goes further is in Pa; assumed
 LONGEST_METRES = 3.0  # what goes further is not in metres; assumed
 MOST_EXTRA = 50
-NOT_MONOTONE = 0.2  # of correlation: below it nothing is said of signs
+NOT_MONOTONE = 0.5  # of correlation: below it nothing is said of signs; assumed
 
 
 class Guess(NamedTuple):
@@ -56,7 +57,7 @@ def guessed_map(path: Path, rig: str) -> Proposal:
             f"{path}: no column looks like times; write a map with [time] column, or [time] step: docs/import.md"
         )
     columns = {name: one for name, one in table.columns.items() if name != time.column and one.texts is None}
-    columns = {name: one for name, one in columns.items() if np.isfinite(one.values).any()}
+    columns = {name: one for name, one in columns.items() if np.isfinite(one.values).any() and one.unit != "ns"}
     signals = _assigned(columns, valid)
     text = "\n".join(_lines(path, table, rig, time, signals, columns)) + "\n"
     return Proposal(text, signals)
@@ -65,7 +66,7 @@ def guessed_map(path: Path, rig: str) -> Proposal:
 def _assigned(columns: dict[str, Column], valid: set[str]) -> dict[str, Guess]:
     """Each signal its likeliest column, each column one signal: the surest first, then in the order of the file."""
     offers = [
-        (sure, -place, -rank, signal, name, why)
+        (sure if _moves(column) else Sure.UNSURE, -place, -rank, signal, name, why)
         for place, (name, column) in enumerate(columns.items())
         for rank, (signal, sure, why) in enumerate(candidates(column))
         if signal in valid
@@ -75,6 +76,11 @@ def _assigned(columns: dict[str, Column], valid: set[str]) -> dict[str, Guess]:
         if signal not in found and name not in {guess.column for guess in found.values()}:
             found[signal] = Guess(name, sure, why)
     return found
+
+
+def _moves(column: Column) -> bool:
+    """Is it more than one value all the time?"""
+    return bool(np.nanmax(column.values) > np.nanmin(column.values))
 
 
 def _lines(
@@ -136,6 +142,8 @@ def _unit(signal: str, column: Column) -> Iterator[str]:
         return
     small = float(np.nanmax(np.abs(column.values))) < LONGEST_METRES
     unit = UNITS.get(signal, "m" if small else "mm")
+    if signal in PRESSURES:
+        unit = "bar" if float(np.nanmax(np.abs(column.values))) < MOST_BAR else "Pa"
     yield f'unit = "{unit}"  # unsure: no unit in its head'
 
 

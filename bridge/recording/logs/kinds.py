@@ -38,7 +38,7 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-LENGTH, SPEED, PRESSURE, FORCE = ("m", ""), ("m/s", ""), ("Pa",), ("N",)
+LENGTH, SPEED, PRESSURE, FORCE = ("m", ""), ("m/s", ""), ("Pa", ""), ("N",)
 ELECTRIC = ("", "V", "A")
 KINDS = (  # in the order in which they are tried
     Kind(
@@ -72,7 +72,7 @@ KINDS = (  # in the order in which they are tried
     Kind("p2", PRESSURE, _words("cap kolbenseite bore head bottom boden"), _words("a pa")),
     Kind("p3", PRESSURE, _words("rod stange stangenseite ring ringseite annulus"), _words("b pb")),
 )
-OPPOSITE = {"p2": "p3", "p3": "p2"}
+SAID_PRESSURE = frozenset(("p", "pressure", "press", "druck"))  # where no unit says so
 
 
 def parts_of(name: str) -> list[str]:
@@ -87,7 +87,7 @@ def candidates(column: Column) -> list[tuple[str, Sure, str]]:
     pairs = {a + b for a, b in pairwise(words)}
     found = []
     for kind in KINDS:
-        if si not in kind.si:
+        if si not in kind.si or (kind.si == PRESSURE and not si and not SAID_PRESSURE & set(words)):
             continue
         if hit := next((word for word in words if word in kind.words), None):
             found.append((kind.signal, Sure.SURE if si else Sure.LIKELY, f"name {hit!r}"))
