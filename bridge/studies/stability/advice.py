@@ -16,9 +16,9 @@ from bridge.scenario.controllers import Pd
 from bridge.scenario.gains import gains
 from bridge.studies.stability.amplitude import (
     ASKED,
+    LEAST,
     SwingRange,
     cycles,
-    hunting,
     swing_range,
     wide_gain_later,
 )
@@ -27,18 +27,13 @@ from bridge.studies.stability.relay_lead import critical_lead, needed_lead, rela
 from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins_of, named, timing_of
 from bridge.studies.stability.rig_plant import RigPlant, plants
 from bridge.studies.stability.sampled_law import FreeGain, free_gain
+from bridge.studies.stability.search import OUT_OF_TIME, Search
 from bridge.studies.stability.twin_loop import uncovered
-from bridge.studies.stability.twin_range import (
-    OUT_OF_TIME,
-    Search,
-    search_of,
-    twin_range,
-    twin_wide_later,
-)
+from bridge.studies.stability.twin_range import search_of, twin_range, twin_wide_later
 from controller.law import volts_per_percent
 from controller.reference import evaluate
 from controller.stability import Margins
-from controller.stability.amplitude.edges import Interval
+from controller.stability.amplitude.gain_scan import Scanned
 from controller.stability.amplitude.swing import WIDE
 from controller.stability.margins import GAIN_MARGIN
 
@@ -114,6 +109,8 @@ class StepAdvice(NamedTuple):
     frequency: float  # [Hz], of the swing at the edge; 0.0: irregular
     frequencies: tuple[float, float]  # [Hz], least and greatest
     peak_to_peak: tuple[float, float]  # [m]
+    swings_from_to: tuple[tuple[float, float], ...]  # in the unit: gains that were seen to swing, from first to last
+    tried_up_to: float  # in the unit
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""
@@ -242,8 +239,8 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
     if scenario.controller.kind == "relay":
         return _advise_relay(scenario, sizes)
     free = free_gain(scenario)
-    search = search_of(scenario, sizes) if uncovered(scenario) else None
-    found = twin_range(search, free.own) if search else swing_range(scenario, sizes)
+    search = search_of(scenario, sizes)
+    found = twin_range(search, free.own) if uncovered(scenario) else swing_range(scenario, search)
     own, suggested = gains_of(scenario), _suggestion(scenario, sizes, found, free, search)
     points, left_out = _linear(scenario)
     return Advice(
@@ -258,7 +255,7 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
         settles_below=_free(found.low, free),
         swings_above=_free(found.high, free),
         wide_above=_free(found.wide, free),
-        steps=tuple(_step(interval, free) for interval in found.intervals),
+        steps=tuple(_step(step, free) for step in found.steps),
         rows=tuple(RowAdvice(_free(r.gain, free), r.swinging, r.peak_to_peak, r.frequency) for r in found.rows),
         points=points,
         suggested=suggested,
@@ -266,26 +263,24 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
     )
 
 
-def _runs_of_the_twin(scenario: Scenario, search: Search | None) -> list[str]:
-    if search is None:
-        return []
-    beyond = ", ".join(uncovered(scenario))
+def _runs_of_the_twin(scenario: Scenario, search: Search) -> list[str]:
     ended = [OUT_OF_TIME] if search.cut_short else []
-    return [f"by runs of the twin, one noise each: the reduced drive leaves out {beyond}", *ended]
+    if not (beyond := ", ".join(uncovered(scenario))):
+        return ended
+    return [f"by runs of the twin alone, one noise each: the reduced drive leaves out {beyond}", *ended]
 
 
 def _suggestion(
-    scenario: Scenario, sizes: Sequence[float], found: SwingRange, free: FreeGain, search: Search | None
+    scenario: Scenario, sizes: Sequence[float], found: SwingRange, free: FreeGain, search: Search
 ) -> Suggestion:
     """Half of the gain from which a motion swings widely; none where none does or all do."""
     gain = found.wide / GAIN_MARGIN
-    if search is None:
-        later = min(gain, wide_gain_later(scenario, sizes, found.low))
-        hunts = hunting(scenario, sizes, gain) if math.isfinite(gain) else None
-    else:
+    if uncovered(scenario):
         later = twin_wide_later(scenario, search, gain)
-        unknown = not math.isfinite(gain) or search.late()
-        hunts = None if unknown else max(swing.peak_to_peak for swing in search.at(gain))
+    else:
+        later = min(gain, wide_gain_later(scenario, sizes, found.low or LEAST * free.own))
+    unknown = not math.isfinite(gain) or search.late()
+    hunts = None if unknown else max(swing.peak_to_peak for swing in search.at(gain))
     return Suggestion(_free(gain, free), _free(later, free), hunts, RULE)
 
 
@@ -326,8 +321,10 @@ def _linear(scenario: Scenario) -> tuple[dict[str, PointAdvice], list[str]]:
     return {n: _point(p.opening, timing, of[n], scenario, held[n]) for n, p in found.items()}, []
 
 
-def _step(found: Interval, free: FreeGain) -> StepAdvice:
-    return StepAdvice(found.size, _free(found.low, free), _free(found.high, free), *found[3:])
+def _step(found: Scanned, free: FreeGain) -> StepAdvice:
+    edge, seen = (_free(found.low, free), _free(found.high, free)), (found.frequency, found.frequencies, found.peaks)
+    islands = tuple((first / free.per_unit, last / free.per_unit) for first, last in found.islands)
+    return StepAdvice(found.size, *edge, *seen, islands, found.loudest / free.per_unit)
 
 
 def _free(gain: float, free: FreeGain) -> GainInUnits:

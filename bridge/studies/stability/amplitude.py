@@ -1,14 +1,13 @@
 """A scenario's loop as the theory that depends on amplitude takes it, and what that says: which gains settle.
 
-Every run of `controller.stability.amplitude` starts where the scenario starts and follows one step of the reference,
-whatever the scenario's own reference is. The work is bounded: so many motions, noises and gains, each run of at most
-some hundred thousand steps. Runs go to two threads, and an interruption is answered between two of them.
+Every run starts where the scenario starts and follows one step of the reference, whatever the scenario's own reference
+is. The reduced drive says where to look; whether a gain near the edge swings, the twin itself says (`search`). The work
+is bounded: so many motions and gains, each run of at most some hundred thousand steps, and the search has a time. Runs
+go to two threads, and an interruption is answered between two of them.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from threading import Event
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,21 +16,21 @@ from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
 from bridge.studies.stability.sampled_law import free_gain, law_of
+from bridge.studies.stability.search import Search, threaded
 from bridge.studies.stability.twin_loop import TwinLoop, twin_loop, uncovered
 from controller.stability.amplitude.edges import (
     ROUGH,
     SCAN,
     SEEDS,
     Edge,
-    Interval,
     Loop,
     Scan,
     lasting,
-    nearer,
     smallest_swinging,
     spanned,
 )
 from controller.stability.amplitude.edges import swing as reduced_swing
+from controller.stability.amplitude.gain_scan import Scanned
 from controller.stability.amplitude.reduce import at_rest, reduced
 from controller.stability.amplitude.run import MOST_PERIODS, Card, Course
 from controller.stability.amplitude.swing import LARGEST, WIDE, Swing
@@ -45,7 +44,6 @@ QUIET, IN_A_ROW = 1.6, 3  # between gains on the way down, until so many settle:
 LEAST = 1e-2  # of the scenario's own gain: no quieter gain is looked for
 ROWS = 9  # of the picture
 TWIN_SCAN = ROUGH._replace(ratio=1.6, tolerance=1.06, back=0.6)  # where each run is one of the twin
-THREADS = 2
 
 
 class PictureRow(NamedTuple):
@@ -63,7 +61,7 @@ class SwingRange(NamedTuple):
     low: float  # below: no motion that was tried swings
     high: float  # above: every one does; inf: never all
     wide: float  # below: none swings by more than WIDE; inf: none at any gain
-    intervals: tuple[Interval, ...]  # of each step asked for, down and up
+    steps: tuple[Scanned, ...]  # asked for, down and up
     rows: tuple[PictureRow, ...]
 
 
@@ -135,28 +133,27 @@ def room_for(scenario: Scenario, sizes: Sequence[float]) -> list[float]:
     )
 
 
-def swing_range(scenario: Scenario, sizes: Sequence[float] = ASKED, seeds: Sequence[int] = SEEDS) -> SwingRange:
-    """Which gains settle after which steps [m], by the reduced loop. Raises ScenarioError where there is none."""
-    loop, own = loop_of(scenario), free_gain(scenario).own
-    asked = room_for(scenario, sizes)
+def swing_range(scenario: Scenario, search: Search) -> SwingRange:
+    """Which gains settle after the steps of a search. Raises ScenarioError where the reduced loop does not exist."""
+    loop, own, asked = loop_of(scenario), free_gain(scenario).own, search.sizes
+    steps = scans_of(loop, search, own)
     further = [size for size in both_ways(scenario, (*ASKED, *FURTHER)) if size not in asked]
-    first = quiet_gain(loop, [*asked, *further], own)
-    sizes = [*asked, *further]
-    starts = dict(zip(sizes, threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), sizes), strict=True))
-    jobs = [(s, nearer(e, first), n) for s, e in starts.items() for n in _noises(e, s in asked, seeds)]
-    found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[2], job[1]), jobs), strict=True))
-    by_size = {s: spanned(s, [e for job, e in found if job[0] == s] or [starts[s]]) for s in sizes}
-    low, high = min(i.low for i in by_size.values()), max(i.high for i in by_size.values())
-    wide = wide_gain(loop, asked, low)
-    rows = picture(loop, asked, low, max((g for g in (high, wide) if math.isfinite(g)), default=math.inf), own)
-    return SwingRange(low, high, wide, tuple(by_size[size] for size in asked), tuple(rows))
+    first = next((step.low for step in steps if 0.0 < step.low < math.inf), own)
+    jobs = [(size, seed) for size in further for seed in FEW]
+    found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[1], first, ROUGH), jobs), strict=True))
+    others = [spanned(size, [e for job, e in found if job[0] == size]) for size in further]
+    low, high = min(i.low for i in (*steps, *others)), max(i.high for i in (*steps, *others))
+    wide = min(wide_gain(loop, asked, first), search.lowest_beyond(WIDE))
+    rows = picture(loop, search, low, max((g for g in (high, wide) if math.isfinite(g)), default=math.inf), own)
+    return SwingRange(low, high, wide, tuple(steps), tuple(rows))
 
 
-def _noises(start: Edge, is_asked: bool, seeds: Sequence[int]) -> Sequence[int]:
-    """Whose edges are looked for: few for a step that nobody asked for, none where no gain swings."""
-    if math.isinf(start.swings):
-        return ()
-    return seeds if is_asked else FEW
+def scans_of(loop: Loop, search: Search, own: float) -> list[Scanned]:
+    """Runs of the twin about the edges of the reduced loop with one noise."""
+    first = quiet_gain(loop, search.sizes, own)
+    starts = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH).swings, search.sizes)
+    near = [gain if math.isfinite(gain) else own for gain in starts]
+    return search.scans(dict(zip(search.sizes, near, strict=True)))
 
 
 def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[float, Swing]]:
@@ -194,13 +191,6 @@ def range_over(scenario: Scenario, period: float, own: float, size: float) -> tu
     return min(e.swings for e in found) / ROUGHLY, wide_gain(loop, sizes, first)
 
 
-def hunting(scenario: Scenario, sizes: Sequence[float], gain: float) -> float:
-    """Peak to peak [m], the largest after steps of these sizes [m], at a gain."""
-    loop = any_loop(scenario)
-    found = threaded(lambda size: swing(loop, gain, size), both_ways(scenario, sizes))
-    return max(s.peak_to_peak for s in found)
-
-
 def quiet_gain(loop: Loop | TwinLoop, sizes: Sequence[float], own: float) -> float:
     """A gain that settles after all these steps, as do IN_A_ROW gains from it on, each QUIET times the last."""
     gain, quiet = own, 0
@@ -212,16 +202,19 @@ def quiet_gain(loop: Loop | TwinLoop, sizes: Sequence[float], own: float) -> flo
     return gain
 
 
-def picture(loop: Loop, sizes: Sequence[float], low: float, high: float, own: float) -> list[PictureRow]:
-    """Amplitude and frequency over the gain."""
+def picture(loop: Loop, search: Search, low: float, high: float, own: float) -> list[PictureRow]:
+    """Amplitude and frequency over the gain: of the twin at the own gain and where it ran, else of the reduced loop."""
     if not math.isfinite(low):
         return []
-    top = high if math.isfinite(high) else 4.0 * low
-    gains = sorted({*np.geomspace(0.8 * low, 1.25 * top, ROWS).tolist(), own})
-    jobs = [(gain, size) for gain in gains for size in sizes]
-    swings = threaded(lambda job: swing(loop, *job), jobs)
+    if not search.late():
+        search.at(own)
+    least, top = low or own * LEAST, high if math.isfinite(high) else 4.0 * low
+    gains = sorted({*np.geomspace(0.8 * least, 1.25 * top, ROWS).tolist(), own})
+    jobs = [(gain, size) for gain in gains for size in search.sizes]
+    swings = threaded(lambda job: search.nearest(*job) or swing(loop, *job), jobs)
     return [
-        picture_row(gain, sizes, [s for (g, _), s in zip(jobs, swings, strict=True) if g == gain]) for gain in gains
+        picture_row(gain, search.sizes, [s for (g, _), s in zip(jobs, swings, strict=True) if g == gain])
+        for gain in gains
     ]
 
 
@@ -238,19 +231,3 @@ def picture_row(gain: float, sizes: Sequence[float], swings: Sequence[Swing]) ->
     largest = max(swings, key=lambda s: s.peak_to_peak)
     swinging = tuple(size for size, s in zip(sizes, swings, strict=True) if s.counts)
     return PictureRow(gain, swinging, largest.peak_to_peak, largest.frequency)
-
-
-def threaded(function: Callable[[Any], Any], jobs: Iterable[Any]) -> list[Any]:
-    """All results in order; those not begun are dropped when one fails or the user interrupts."""
-    _STOPPED.clear()
-    pool = ThreadPoolExecutor(THREADS)
-    try:
-        return list(pool.map(function, jobs))
-    except BaseException:
-        _STOPPED.set()
-        raise
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-_STOPPED = Event()

@@ -1,0 +1,121 @@
+"""Which gains leave a step swinging, where every run costs much: the gain to run next, and what the runs say.
+
+Gains that swing are islands: a louder loop may settle, and one louder still swing again. So a search by halves ends at
+the shore of any of them, and where it began decides of which. Here the gains are scanned. Below the lowest that is
+known to swing they are FINE apart over a rung and COARSE apart over another; from there on COARSE apart up to COVER
+times that gain, or up to FURTHER where most of them settle.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import groupby, pairwise
+from typing import NamedTuple
+
+from controller.stability.amplitude.swing import Swing
+
+RUNG = 1.5  # between gains while none is known to swing, and on the way down
+FINE, COARSE = RUNG**0.125, RUNG**0.25
+QUIET = RUNG**2  # below the lowest that swings, how far is scanned
+COVER, FURTHER = 2.0, 3.0  # above it
+MOSTLY = 0.6  # share of the gains up to COVER, of those that settle
+MOST, LEAST = 64.0, 1e-2  # of the gain it begins with, how far is searched
+SHARP, RAGGED, SCATTERED = 1.08, 1.1, 1.4  # below the lowest that swings, where the interval begins
+ABOVE, BEYOND = 1.15, 1.1  # above it at least, and above the loudest that settles
+ROUNDING = 1.0 + 1e-9
+Runs = Mapping[float, Swing]  # by gain
+
+
+class Scanned(NamedTuple):
+    """Where a step begins to swing, and all that was seen."""
+
+    size: float  # of the step [m], upwards positive
+    low: float  # every gain below settles; 0.0: all that were tried swing; inf: none does
+    high: float  # a search for the edge ends below
+    frequency: float  # [Hz], of the quietest swing that has one; 0.0: irregular
+    frequencies: tuple[float, float]  # [Hz], least and greatest up to `high`
+    peaks: tuple[float, float]  # [m], peak to peak, up to `high`
+    islands: tuple[tuple[float, float], ...]  # gains that swing, from the first to the last in a row
+    loudest: float  # gain that was run
+
+
+def next_gain(runs: Runs, near: float) -> float | None:
+    """Where to run next, beginning at a gain `near`; None: enough is known."""
+    if not runs:
+        return near
+    lowest, least, most = lowest_swinging(runs), min(runs), max(runs)
+    if math.isinf(lowest):
+        return most * RUNG if most * RUNG <= near * MOST else None
+    if least * QUIET > lowest * ROUNDING and least / RUNG > near * LEAST:
+        return least / RUNG
+    top = _top(runs, lowest)
+    gaps = [(a, b) for a, b in pairwise(sorted(runs)) if b > a * _allowed(b, lowest, top) * ROUNDING]
+    below = [gap for gap in gaps if gap[1] <= lowest]
+    if below:
+        return math.sqrt(math.prod(below[-1]))
+    if most * ROUNDING < top:
+        return min(most * COARSE, top)
+    return math.sqrt(math.prod(gaps[0])) if gaps else None
+
+
+def _top(runs: Runs, lowest: float) -> float:
+    """How far is scanned."""
+    return lowest * (FURTHER if mostly_settling(runs) else COVER)
+
+
+def _allowed(gain: float, lowest: float, top: float) -> float:
+    """The ratio of a gain to the next below that needs no run between, where `lowest` is known to swing."""
+    if gain > top * ROUNDING or gain * QUIET <= lowest * ROUNDING:
+        return math.inf
+    return FINE if lowest >= gain > lowest / RUNG * ROUNDING else COARSE
+
+
+def lowest_swinging(runs: Runs) -> float:
+    """The smallest gain that swings; inf: none does."""
+    return min((gain for gain, swing in runs.items() if swing.counts), default=math.inf)
+
+
+def mostly_settling(runs: Runs) -> bool:
+    """Do most of the gains up to COVER times the lowest that swings settle?"""
+    lowest = lowest_swinging(runs)
+    louder = [swing for gain, swing in runs.items() if lowest < gain <= COVER * lowest * ROUNDING]
+    return bool(louder) and sum(not swing.counts for swing in louder) >= MOSTLY * len(louder)
+
+
+def scanned(size: float, runs: Runs) -> Scanned:
+    """What the runs of a step of a size [m] say."""
+    low, high = _interval(runs)
+    swinging = [swing for gain, swing in sorted(runs.items()) if swing.counts and gain <= high]
+    often = [swing.frequency for swing in swinging if swing.frequency > 0.0] or [0.0]
+    peaks = [swing.peak_to_peak for swing in swinging] or [0.0]
+    spans = (min(often), max(often)), (min(peaks), max(peaks))
+    return Scanned(size, low, high, often[0], *spans, tuple(_islands(runs)), max(runs))
+
+
+def _interval(runs: Runs) -> tuple[float, float]:
+    """Where any search for the edge is expected to end.
+
+    The loudest gain that settles bounds it, but it spans no more than COVER unless most of the gains settle there.
+    """
+    lowest, scattered = lowest_swinging(runs), mostly_settling(runs)
+    if math.isinf(lowest):
+        return math.inf, math.inf
+    top = lowest * (FURTHER if scattered else COVER) * ROUNDING
+    settling = [gain for gain, swing in runs.items() if lowest < gain <= top and not swing.counts]
+    if not settling:
+        return _low(runs, lowest, SHARP), ABOVE * lowest
+    low = _low(runs, lowest, SCATTERED if scattered else RAGGED)
+    high = max(BEYOND * max(settling), ABOVE * lowest)
+    return low, high if scattered else min(high, COVER * lowest / RAGGED)
+
+
+def _low(runs: Runs, lowest: float, margin: float) -> float:
+    """The lower end: below the lowest that swings by a margin, or below the next that settles where none is nearer."""
+    below = max((gain for gain in runs if gain < lowest), default=0.0)
+    return min(below, lowest / margin)
+
+
+def _islands(runs: Runs) -> Iterator[tuple[float, float]]:
+    for swinging, gains in groupby(sorted(runs), key=lambda gain: runs[gain].counts):
+        if swinging:
+            island = list(gains)
+            yield island[0], island[-1]
