@@ -19,6 +19,7 @@ from bridge.studies.stability.amplitude import (
     LEAST,
     SwingRange,
     cycles,
+    room_for,
     swing_range,
     wide_gain_later,
 )
@@ -239,7 +240,7 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
     if scenario.controller.kind == "relay":
         return _advise_relay(scenario, sizes)
     free = free_gain(scenario)
-    search = search_of(scenario, sizes)
+    search = search_of(scenario, room_for(scenario, sizes))
     found = twin_range(search, free.own) if uncovered(scenario) else swing_range(scenario, search)
     own, suggested = gains_of(scenario), _suggestion(scenario, sizes, found, free, search)
     points, left_out = _linear(scenario)

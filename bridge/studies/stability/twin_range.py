@@ -17,7 +17,6 @@ from bridge.studies.stability.amplitude import (
     PictureRow,
     SwingRange,
     picture_row,
-    room_for,
 )
 from bridge.studies.stability.sampled_law import free_gain
 from bridge.studies.stability.search import LONGEST, WORK, Deadline, Search
@@ -30,8 +29,7 @@ ROWS = 5  # of the picture
 
 
 def search_of(scenario: Scenario, sizes: Sequence[float]) -> Search:
-    """A search whose time begins when all is compiled. Raises ScenarioError where no step has room."""
-    sizes = room_for(scenario, sizes)
+    """A search for steps up and down [m] whose time begins when all is compiled."""
     search = Search(twin_loop(scenario), sizes, Deadline())
     search.at(free_gain(scenario).own, sizes[:1])
     search.until = Deadline(time.process_time() + WORK, time.monotonic() + LONGEST)

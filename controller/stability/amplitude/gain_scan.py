@@ -39,34 +39,40 @@ class Scanned(NamedTuple):
 
 
 def next_gain(runs: Runs, near: float) -> float | None:
-    """Where to run next, beginning at a gain `near`; None: enough is known."""
-    if not runs:
+    """Where to run next, beginning at a gain `near`; None: enough is known.
+
+    First roughly on both sides of the lowest that swings, so that a search that is cut short knows both, then finely.
+    """
+    if near not in runs:
         return near
-    lowest, least, most = lowest_swinging(runs), min(runs), max(runs)
+    lowest, least = lowest_swinging(runs), min(runs)
     if math.isinf(lowest):
-        return most * RUNG if most * RUNG <= near * MOST else None
+        return max(runs) * RUNG if max(runs) * RUNG <= near * MOST else None
     if least * QUIET > lowest * ROUNDING and least / RUNG > near * LEAST:
         return least / RUNG
-    top = _top(runs, lowest)
-    gaps = [(a, b) for a, b in pairwise(sorted(runs)) if b > a * _allowed(b, lowest, top) * ROUNDING]
-    below = [gap for gap in gaps if gap[1] <= lowest]
-    if below:
-        return math.sqrt(math.prod(below[-1]))
-    if most * ROUNDING < top:
-        return min(most * COARSE, top)
-    return math.sqrt(math.prod(gaps[0])) if gaps else None
+    return (
+        _between(runs, lowest, RUNG, COARSE)
+        or _louder(runs, lowest)
+        or _between(runs, lowest, RUNG, FINE)
+        or _between(runs, lowest, QUIET, COARSE)
+    )
 
 
-def _top(runs: Runs, lowest: float) -> float:
-    """How far is scanned."""
-    return lowest * (FURTHER if mostly_settling(runs) else COVER)
+def _louder(runs: Runs, lowest: float) -> float | None:
+    """The next gain above the lowest that swings."""
+    top = lowest * (FURTHER if mostly_settling(runs) else COVER)
+    for gain in sorted(gain for gain in runs if gain >= lowest):
+        further = min(gain * COARSE, top)
+        if gain * ROUNDING < top and not any(gain < other <= further * ROUNDING for other in runs):
+            return further
+    return None
 
 
-def _allowed(gain: float, lowest: float, top: float) -> float:
-    """The ratio of a gain to the next below that needs no run between, where `lowest` is known to swing."""
-    if gain > top * ROUNDING or gain * QUIET <= lowest * ROUNDING:
-        return math.inf
-    return FINE if lowest >= gain > lowest / RUNG * ROUNDING else COARSE
+def _between(runs: Runs, lowest: float, depth: float, ratio: float) -> float | None:
+    """The middle of the nearest gap below the lowest that swings, no deeper than a ratio and wider than another."""
+    below = sorted(gain for gain in runs if gain <= lowest)
+    gaps = [(a, b) for a, b in pairwise(below) if b * depth > lowest * ROUNDING and b > a * ratio * ROUNDING]
+    return math.sqrt(math.prod(gaps[-1])) if gaps else None
 
 
 def lowest_swinging(runs: Runs) -> float:
