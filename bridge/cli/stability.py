@@ -18,7 +18,7 @@ PAIR = "LOW:HIGH"
 STEP = Annotated[
     list[str] | None, typer.Option("--step", metavar="LENGTH", help="Size of a step [default: 2, 20 and 60 mm].")
 ]
-VERIFY = Annotated[bool, typer.Option("--verify", help="Search each interval for the twin's own edge.")]
+VERIFY = Annotated[bool, typer.Option("--verify", help="Search for each edge again, upwards from below.")]
 RANGE = Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the first axis.")]
 OTHER_RANGE = Annotated[str | None, typer.Option(metavar=PAIR, help="Range of the other.")]
 RIG = Annotated[
@@ -38,6 +38,8 @@ DERIVATIVE = Annotated[str, typer.Option(help="Of the dimensionless controller: 
 FILTER_TIME = Annotated[float | None, typer.Option(min=0.0, help="Of the filtered derivative, in sampling periods.")]
 WIDEST = 24  # columns, of a bar of the picture
 NARROWEST = 0.1  # [mm], where a bar begins
+STEP_HEADS = ("settles below", "edge below", "starts with", "at", "seen to swing at")
+MOST_ISLANDS = 3  # ranges of gains in a row of the table
 
 
 def advise(
@@ -49,8 +51,9 @@ def advise(
 ) -> None:
     """Find the gains at which a scenario's loop settles, swings after every motion, or depends on the motion.
 
-    The theory is that of a reduced drive under the sampled law, with friction, saturation and card; the linear theory
-    of the smallest motions stands beside it. --verify compares with runs of the twin. See docs/stability.md.
+    A reduced drive under the sampled law, with friction, saturation and card, says where to look. About each edge
+    the twin itself runs at some 25 gains: above the quietest that swings, others may settle. --verify searches for
+    the edges again, at other gains. The linear theory of the smallest motions stands beside it. See docs/stability.md.
     """
     from bridge.scenario import load
 
@@ -100,7 +103,7 @@ def _print(found: "Advice") -> None:
     )
     print("\n".join(_answer(found)) + "\n")
     print_table(
-        (f"after a step of, from {found.starts_at * 1e3:g} mm", "settles below", "swings above", "starts with", "at"),
+        (f"after a step of, from {found.starts_at * 1e3:g} mm", *STEP_HEADS),
         [_step_row(step, unit) for step in found.steps],
     )
     print()
@@ -135,7 +138,7 @@ def _answer(found: "Advice") -> list[str]:
     unit, wide = found.unit, found.wide_above
     above = _in(found.swings_above, unit) if found.swings_above.volts is not None else "no gain"
     settles, widely = (
-        "at any gain tried" if gain.volts is None else f"below {_in(gain, unit)}"
+        "at any gain tried" if gain.volts is None else f"below {_in(gain, unit)}" if gain.volts else "at no gain tried"
         for gain in (found.settles_below, wide)
     )
     own = [row.peak_to_peak for row in found.rows if row.gain.volts == found.gain.volts]
@@ -159,7 +162,17 @@ def _step_row(step: "StepAdvice", unit: str) -> tuple[str, ...]:
         _in(step.swings_above, unit),
         _span(small, large, "mm"),
         _span(*step.frequencies, "Hz"),
+        _islands(step),
     )
+
+
+def _islands(step: "StepAdvice") -> str:
+    """Gains that were seen to swing: the first ranges, and the last."""
+    words = [f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}" for low, high in step.swings_from_to]
+    if words and step.swings_from_to[-1][1] == step.tried_up_to:
+        words[-1] = f"{step.swings_from_to[-1][0]:.3g} on"
+    left_out = len(words) - MOST_ISLANDS
+    return ", ".join(words if left_out <= 0 else [*words[: MOST_ISLANDS - 1], f"{left_out} more", words[-1]])
 
 
 def _span(low: float, high: float, unit: str) -> str:
@@ -231,10 +244,10 @@ def _print_verified(scenario: "Scenario", found: "Advice") -> None:
     runs = list(verified(scenario, found.steps))
     print()
     print_table(
-        ("after a step of", "theory", "the twin's edge", "swings by", "at", ""),
+        ("after a step of", "interval", "edge found", "swings by", "at", ""),
         [_verified_row(run, found.unit) for run in runs],
     )
-    print(f"The twin agrees in {sum(run.agrees for run in runs)} of {len(runs)} steps.")
+    print(f"{sum(run.agrees for run in runs)} of {len(runs)} edges lie in their intervals.")
 
 
 def _verified_row(run: "Verified", unit: str) -> tuple[str, ...]:

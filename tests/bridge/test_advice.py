@@ -20,16 +20,17 @@ from bridge.runs.run import run_scenario, shown
 from bridge.scenario import Scenario, ScenarioError, load
 from bridge.scenario.gains import law_gains
 from bridge.studies.stability.advice import Advice, CycleAdvice, advise
-from bridge.studies.stability.amplitude import loop_of
+from bridge.studies.stability.amplitude import loop_of, scans_of
 from bridge.studies.stability.probe import stand_of
 from bridge.studies.stability.sampled_law import free_gain
 from bridge.studies.stability.trial import trial
-from bridge.studies.stability.twin_edge import stepped, twin_swing
-from bridge.studies.stability.verified import VerifiedCycle, compared
+from bridge.studies.stability.twin_edge import SCAN, step_edge, stepped, twin_swing
+from bridge.studies.stability.twin_range import search_of
+from bridge.studies.stability.verified import VerifiedCycle
 from bridge.wire.messages import Mode
 from controller.law import Sample
 from controller.reference import Target
-from controller.stability.amplitude.edges import interval, swing
+from controller.stability.amplitude.edges import swing
 from controller.stability.amplitude.swing import Swing, last_third
 
 SQRT2 = math.sqrt(2.0)
@@ -64,13 +65,15 @@ EDGES = [  # sampling period [ms], delay [ms], mass [kg], step [mm]
 
 @pytest.mark.parametrize(("period", "delay", "mass", "size"), EDGES)
 def test_the_edge_of_the_twin_lies_in_the_interval(period, delay, mass, size):
-    """The theory's drive is not the twin: an edge of the twin in its interval is a finding. All: tests.benchmarks."""
+    """A search for the edge at other gains than those of the scan ends in its interval. All: tests.benchmarks."""
     times = [f"loop.sample_period={period}ms", f"loop.delay={delay}ms", "loop.command_timeout=1"]
     scenario = load("step", [*times, f"rig.load.mass={mass}"])
     free = free_gain(scenario)
-    found = interval(loop_of(scenario), size * 1e-3, 0.3 * free.own)
-    assert found.high / found.low < 2.0
-    assert compared(scenario, size * 1e-3, found.low / free.per_unit, found.high / free.per_unit).agrees
+    (found,) = scans_of(loop_of(scenario), search_of(scenario, [size * 1e-3]), free.own)
+    edge = step_edge(scenario, size * 1e-3, 0.7 * found.low, SCAN._replace(ratio=1.25))
+    assert found.high / found.low <= 2.0
+    assert found.low <= edge.swings
+    assert edge.settles <= found.high
 
 
 def test_a_law_of_the_users_runs_itself_and_its_free_gain_is_what_it_minds(tmp_path, monkeypatch):

@@ -142,7 +142,8 @@ def swing_range(scenario: Scenario, search: Search) -> SwingRange:
     jobs = [(size, seed) for size in further for seed in FEW]
     found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[1], first, ROUGH), jobs), strict=True))
     others = [spanned(size, [e for job, e in found if job[0] == size]) for size in further]
-    low, high = min(i.low for i in (*steps, *others)), max(i.high for i in (*steps, *others))
+    low = min(i.low for i in (*steps, *others))
+    high = max(*(step.swings_from for step in steps), *(i.high for i in others))
     wide = min(wide_gain(loop, asked, first), search.lowest_beyond(WIDE))
     rows = picture(loop, search, low, max((g for g in (high, wide) if math.isfinite(g)), default=math.inf), own)
     return SwingRange(low, high, wide, tuple(steps), tuple(rows))

@@ -40,7 +40,7 @@ def twin_range(search: Search, own: float) -> SwingRange:
     """Which gains settle after the steps of a search."""
     _ladder(search, own)
     steps = search.scans(dict.fromkeys(search.sizes, own))
-    low, high = min(step.low for step in steps), max(step.high for step in steps)
+    low, high = min(step.low for step in steps), max(step.swings_from for step in steps)
     wide = _bisected(search, WIDE) / ROUGHLY if math.isfinite(low) else math.inf
     return SwingRange(low, high, wide, tuple(steps), tuple(_rows(search, own)) if math.isfinite(low) else ())
 

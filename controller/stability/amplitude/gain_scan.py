@@ -17,9 +17,9 @@ RUNG = 1.5  # between gains while none is known to swing, and on the way down
 FINE, COARSE = RUNG**0.125, RUNG**0.25
 QUIET = RUNG**2  # below the lowest that swings, how far is scanned
 COVER, FURTHER = 2.0, 3.0  # above it
-MOSTLY = 0.6  # share of the gains up to COVER, of those that settle
+MOSTLY = 0.7  # share of the gains up to COVER, of those that settle
 MOST, LEAST = 64.0, 1e-2  # of the gain it begins with, how far is searched
-SHARP, RAGGED, SCATTERED = 1.08, 1.1, 1.4  # below the lowest that swings, where the interval begins
+SHARP, RAGGED, SCATTERED = 1.2, 1.15, 1.5  # below the lowest that swings, where the interval begins
 ABOVE, BEYOND = 1.15, 1.1  # above it at least, and above the loudest that settles
 ROUNDING = 1.0 + 1e-9
 Runs = Mapping[float, Swing]  # by gain
@@ -35,7 +35,13 @@ class Scanned(NamedTuple):
     frequencies: tuple[float, float]  # [Hz], least and greatest up to `high`
     peaks: tuple[float, float]  # [m], peak to peak, up to `high`
     islands: tuple[tuple[float, float], ...]  # gains that swing, from the first to the last in a row
+    settling: float  # the loudest gain that was seen to settle; 0.0: none was
     loudest: float  # gain that was run
+
+    @property
+    def swings_from(self) -> float:
+        """From here on every gain that was run swings; inf: none does."""
+        return max(self.high, self.settling * BEYOND)
 
 
 def next_gain(runs: Runs, near: float) -> float | None:
@@ -94,7 +100,8 @@ def scanned(size: float, runs: Runs) -> Scanned:
     often = [swing.frequency for swing in swinging if swing.frequency > 0.0] or [0.0]
     peaks = [swing.peak_to_peak for swing in swinging] or [0.0]
     spans = (min(often), max(often)), (min(peaks), max(peaks))
-    return Scanned(size, low, high, often[0], *spans, tuple(_islands(runs)), max(runs))
+    settling = max((gain for gain, swing in runs.items() if not swing.counts), default=0.0)
+    return Scanned(size, low, high, often[0], *spans, tuple(_islands(runs)), settling, max(runs))
 
 
 def _interval(runs: Runs) -> tuple[float, float]:

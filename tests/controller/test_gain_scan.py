@@ -1,0 +1,106 @@
+"""A scan over the gain: of loops whose islands of gains that swing are known."""
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from controller.stability.amplitude.edges import SCAN, smallest_swinging
+from controller.stability.amplitude.gain_scan import (
+    ABOVE,
+    COARSE,
+    COVER,
+    FINE,
+    LEAST,
+    MOST,
+    QUIET,
+    RUNG,
+    SHARP,
+    next_gain,
+    scanned,
+)
+from controller.stability.amplitude.swing import LARGEST, Swing
+
+SIZE = 20e-3
+
+
+def swing_of(gain: float, islands: tuple[tuple[float, float], ...]) -> Swing:
+    """Of a loop that swings at the gains of some islands, at a frequency that says where."""
+    swings = any(low <= gain <= high for low, high in islands)
+    return Swing(2.0 * LARGEST, gain) if swings else Swing(0.5 * LARGEST, 0.0)
+
+
+def scan_of(islands: tuple[tuple[float, float], ...], near: float) -> dict[float, Swing]:
+    """All runs of a scan that begins at a gain."""
+    runs: dict[float, Swing] = {}
+    while (gain := next_gain(runs, near)) is not None:
+        assert gain not in runs
+        runs[gain] = swing_of(gain, islands)
+    return runs
+
+
+@pytest.mark.parametrize("near", [0.1, 0.9, 1.0, 3.0, 9.0])
+def test_a_sharp_edge_is_found_from_anywhere_in_few_runs(near):
+    runs = scan_of(((1.0, math.inf),), near)
+    found = scanned(SIZE, runs)
+    assert found.low <= 1.0 <= found.high
+    assert found.high <= found.low * SHARP * ABOVE * FINE
+    assert found.frequency == pytest.approx(1.0, rel=FINE - 1.0)
+    assert len(runs) <= 32
+
+
+ISLANDS = ((1.0, 1.15), (1.3, 1.45), (1.7, math.inf))
+
+
+@pytest.mark.parametrize("start", [0.3, 0.37, 0.45, 0.52])
+@pytest.mark.parametrize("ratio", [1.05, 1.25, 1.6, 2.0])
+def test_a_search_from_anywhere_ends_in_the_interval(start, ratio):
+    """One that is coarse steps over an island, and ends at the shore of another."""
+    found = scanned(SIZE, scan_of(ISLANDS, 1.2))
+    edge = smallest_swinging(lambda gain: swing_of(gain, ISLANDS), start, SCAN._replace(ratio=ratio))
+    assert found.low <= edge.swings
+    assert edge.settles <= found.high
+    assert found.high <= 2.0 * found.low
+    assert len(found.islands) == 3
+
+
+def test_gains_are_as_near_as_is_said():
+    """Fine over a rung below the lowest that swings, coarse over another and up to COVER times it."""
+    gains = sorted(scan_of(((1.0, math.inf),), 0.9))
+    lowest = next(gain for gain in gains if gain >= 1.0)
+    for below, gain in pairwise(gains):
+        if lowest / RUNG < below * 0.999 and gain <= lowest:
+            assert gain <= below * FINE * 1.001
+        elif lowest / QUIET < below and gain <= COVER * lowest:
+            assert gain <= below * COARSE * 1.001
+    assert gains[0] * QUIET <= lowest * 1.001
+    assert gains[-1] >= COVER * lowest * 0.999
+
+
+def test_where_most_gains_settle_above_the_edge_the_interval_goes_on():
+    islands = ((1.0, 1.05), (1.4, 1.43), (2.6, math.inf))
+    found = scanned(SIZE, scan_of(islands, 1.0))
+    assert found.low < 1.0
+    assert found.high >= 2.4
+
+
+def test_a_loop_that_swings_at_no_gain_has_no_edge():
+    runs = scan_of((), 1.0)
+    found = scanned(SIZE, runs)
+    assert (found.low, found.high, found.islands) == (math.inf, math.inf, ())
+    assert MOST / RUNG <= found.loudest <= MOST
+
+
+def test_a_loop_that_swings_at_all_gains_settles_at_none():
+    runs = scan_of(((0.0, math.inf),), 1.0)
+    found = scanned(SIZE, runs)
+    assert found.low == 0.0
+    assert found.high <= 2.0 * LEAST
+    assert found.islands == ((min(runs), max(runs)),)
+
+
+def test_a_scan_that_is_cut_short_has_an_interval_as_wide_as_its_gap():
+    runs = {gain: swing_of(gain, ISLANDS) for gain in (0.5, 1.1)}
+    found = scanned(SIZE, runs)
+    assert found.low == 0.5
+    assert found.high >= 1.1
