@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from controller.stability.amplitude.edges import SCAN, smallest_swinging
+from controller.stability.amplitude.edges import SCAN, Interval, smallest_swinging
 from controller.stability.amplitude.gain_scan import (
     ABOVE,
     COARSE,
@@ -42,7 +42,7 @@ def scan_of(islands: tuple[tuple[float, float], ...], near: float) -> dict[float
 @pytest.mark.parametrize("near", [0.1, 0.9, 1.0, 3.0, 9.0])
 def test_a_sharp_edge_is_found_from_anywhere_in_few_runs(near):
     runs = scan_of(((1.0, math.inf),), near)
-    found = scanned(SIZE, runs)
+    found = scanned(SIZE, runs, None)
     assert found.low <= 1.0 <= found.high
     assert found.high <= found.low * SHARP * ABOVE * FINE
     assert found.frequency == pytest.approx(1.0, rel=FINE - 1.0)
@@ -56,7 +56,7 @@ ISLANDS = ((1.0, 1.15), (1.3, 1.45), (1.7, math.inf))
 @pytest.mark.parametrize("ratio", [1.05, 1.25, 1.6, 2.0])
 def test_a_search_from_anywhere_ends_in_the_interval(start, ratio):
     """One that is coarse steps over an island, and ends at the shore of another."""
-    found = scanned(SIZE, scan_of(ISLANDS, 1.2))
+    found = scanned(SIZE, scan_of(ISLANDS, 1.2), None)
     edge = smallest_swinging(lambda gain: swing_of(gain, ISLANDS), start, SCAN._replace(ratio=ratio))
     assert found.low <= edge.swings
     assert edge.settles <= found.high
@@ -65,13 +65,13 @@ def test_a_search_from_anywhere_ends_in_the_interval(start, ratio):
 
 
 def test_gains_are_as_near_as_is_said():
-    """Fine over a rung below the lowest that swings, coarse over another and up to COVER times it."""
+    """Fine over a rung below the lowest that swings, a quiet one at another, coarse up to COVER times it."""
     gains = sorted(scan_of(((1.0, math.inf),), 0.9))
     lowest = next(gain for gain in gains if gain >= 1.0)
     for below, gain in pairwise(gains):
         if lowest / RUNG < below * 0.999 and gain <= lowest:
             assert gain <= below * FINE * 1.001
-        elif lowest / QUIET < below and gain <= COVER * lowest:
+        elif lowest <= below and gain <= COVER * lowest:
             assert gain <= below * COARSE * 1.001
     assert gains[0] * QUIET <= lowest * 1.001
     assert gains[-1] >= COVER * lowest * 0.999
@@ -79,21 +79,21 @@ def test_gains_are_as_near_as_is_said():
 
 def test_where_most_gains_settle_above_the_edge_the_interval_goes_on():
     islands = ((1.0, 1.05), (1.4, 1.43), (2.6, math.inf))
-    found = scanned(SIZE, scan_of(islands, 1.0))
+    found = scanned(SIZE, scan_of(islands, 1.0), None)
     assert found.low < 1.0
     assert found.high >= 2.4
 
 
 def test_a_loop_that_swings_at_no_gain_has_no_edge():
     runs = scan_of((), 1.0)
-    found = scanned(SIZE, runs)
+    found = scanned(SIZE, runs, None)
     assert (found.low, found.high, found.islands) == (math.inf, math.inf, ())
     assert MOST / RUNG <= found.loudest <= MOST
 
 
 def test_a_loop_that_swings_at_all_gains_settles_at_none():
     runs = scan_of(((0.0, math.inf),), 1.0)
-    found = scanned(SIZE, runs)
+    found = scanned(SIZE, runs, None)
     assert found.low == 0.0
     assert found.high <= 2.0 * LEAST
     assert found.islands == ((min(runs), max(runs)),)
@@ -101,6 +101,20 @@ def test_a_loop_that_swings_at_all_gains_settles_at_none():
 
 def test_a_scan_that_is_cut_short_has_an_interval_as_wide_as_its_gap():
     runs = {gain: swing_of(gain, ISLANDS) for gain in (0.5, 1.1)}
-    found = scanned(SIZE, runs)
+    found = scanned(SIZE, runs, None)
     assert found.low == 0.5
     assert found.high >= 1.1
+
+
+def expecting(low: float, high: float) -> Interval:
+    """What a cheaper model gives."""
+    return Interval(SIZE, low, high, 1.0, (1.0, 1.0), (LARGEST, LARGEST))
+
+
+def test_the_interval_holds_what_a_cheaper_model_expects_within_twice_its_low_end():
+    runs = scan_of(((1.0, math.inf),), 1.0)
+    found = [scanned(SIZE, runs, expecting(*pair)) for pair in ((0.7, 1.3), (0.7, 3.0), (1.2, 1.25), (0.3, math.inf))]
+    assert [(step.low, step.high) for step in found[:2]] == [(0.7, 1.3), (0.7, pytest.approx(1.4))]
+    assert found[2].low == scanned(SIZE, runs, None).low
+    assert found[2].high >= 1.25
+    assert found[3].high >= 1.0  # the gain that swings is inside, wherever the model looks

@@ -26,6 +26,7 @@ from controller.stability.amplitude.edges import (
     Loop,
     Scan,
     lasting,
+    nearer,
     smallest_swinging,
     spanned,
 )
@@ -150,11 +151,15 @@ def swing_range(scenario: Scenario, search: Search) -> SwingRange:
 
 
 def scans_of(loop: Loop, search: Search, own: float) -> list[Scanned]:
-    """Runs of the twin about the edges of the reduced loop with one noise."""
+    """Runs of the twin about the edges of the reduced loop, and what its edges with some noises say."""
     first = quiet_gain(loop, search.sizes, own)
-    starts = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH).swings, search.sizes)
-    near = [gain if math.isfinite(gain) else own for gain in starts]
-    return search.scans(dict(zip(search.sizes, near, strict=True)))
+    rough = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), search.sizes)
+    starts = dict(zip(search.sizes, rough, strict=True))
+    jobs = [(size, nearer(e, first), seed) for size, e in starts.items() if math.isfinite(e.swings) for seed in SEEDS]
+    found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[2], job[1]), jobs), strict=True))
+    expected = {size: spanned(size, [e for job, e in found if job[0] == size] or [e]) for size, e in starts.items()}
+    near = {size: e.swings if math.isfinite(e.swings) else own for size, e in starts.items()}
+    return search.scans(near, expected)
 
 
 def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[float, Swing]]:

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 from bridge.studies.stability.twin_loop import TwinLoop
-from controller.stability.amplitude.edges import SEEDS
+from controller.stability.amplitude.edges import SEEDS, Interval
 from controller.stability.amplitude.gain_scan import COARSE, Scanned, next_gain, scanned
 from controller.stability.amplitude.swing import Swing
 
@@ -78,15 +78,15 @@ class Search:
         gains = {gain for gain, _ in self.found}
         return sorted(gain for gain in gains if all((gain, size) in self.found for size in self.sizes))
 
-    def scans(self, near: Mapping[float, float]) -> list[Scanned]:
-        """The scan of each step, beginning at a gain, or among those that were run."""
+    def scans(self, near: Mapping[float, float], expected: Mapping[float, Interval]) -> list[Scanned]:
+        """The scan of each step, beginning at a gain, or among those that were run; what a cheaper model expects."""
         self.run((near[size], size) for size in self.sizes if not self.runs_of(size))
         while not self.late():
             wanted = {size: next_gain(self.runs_of(size), near[size]) for size in self.sizes}
             if not (jobs := [(gain, size) for size, gain in wanted.items() if gain is not None]):
                 break
             self.run(jobs)
-        return [scanned(size, self.runs_of(size)) for size in self.sizes]
+        return [scanned(size, self.runs_of(size), expected.get(size)) for size in self.sizes]
 
 
 def threaded(function: Callable[[Any], Any], jobs: Iterable[Any]) -> list[Any]:

@@ -39,7 +39,7 @@ def search_of(scenario: Scenario, sizes: Sequence[float]) -> Search:
 def twin_range(search: Search, own: float) -> SwingRange:
     """Which gains settle after the steps of a search."""
     _ladder(search, own)
-    steps = search.scans(dict.fromkeys(search.sizes, own))
+    steps = search.scans(dict.fromkeys(search.sizes, own), {})
     low, high = min(step.low for step in steps), max(step.swings_from for step in steps)
     wide = _bisected(search, WIDE) / ROUGHLY if math.isfinite(low) else math.inf
     return SwingRange(low, high, wide, tuple(steps), tuple(_rows(search, own)) if math.isfinite(low) else ())

@@ -8,8 +8,8 @@ the gain, and these give the interval.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ SECONDS, PERIODS, DELAYS = 20.0, 200.0, 10.0  # of a run, the longest of them
 LONGEST, LEAST = 100.0, 20.0  # but at most so many seconds, or so many periods
 SLOWEST = 5.0  # [s], a sampling period: LEAST of them are a longest run
 BACK = 0.4  # of a rough edge with one noise, where the search starts with each: theirs may be much lower
-SEEDS = tuple(range(1, 13))  # of the card's noise, whose edges span an interval
+SEEDS = tuple(range(1, 7))  # of the card's noise, whose edges span an interval
 SPREAD = 1.3  # standard deviations of an edge on both sides of the mean
 WIDER = 1.05  # beyond that, for what the reduction leaves out
 TOLERANT = 1  # noises without an edge that do not count
@@ -70,9 +70,6 @@ class Interval(NamedTuple):
     frequency: float  # [Hz], of the swing at the edge, the median; 0.0: irregular
     frequencies: tuple[float, float]  # [Hz], least and greatest
     peaks: tuple[float, float]  # [m], peak to peak there
-
-
-Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 
 
 def lasting(period: float, delay: float) -> float:
@@ -130,15 +127,6 @@ def _bisected(swing_at: Callable[[float], Swing], found: Edge, tolerance: float,
         else:
             found = found._replace(settles=middle)
     return found
-
-
-def interval(loop: Loop, size: float, first: float, seeds: Sequence[int] = SEEDS, each: Map = map) -> Interval:
-    """The interval of a step, searched from a gain `first` that should settle; where no gain swings, by one noise."""
-    start = edge(loop, size, seeds[0], first, ROUGH)
-    if math.isinf(start.swings):
-        return spanned(size, [start])
-    near = nearer(start, first)
-    return spanned(size, list(each(lambda seed: edge(loop, size, seed, near), seeds)))
 
 
 def nearer(found: Edge, first: float) -> float:

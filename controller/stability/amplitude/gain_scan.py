@@ -1,9 +1,10 @@
 """Which gains leave a step swinging, where every run costs much: the gain to run next, and what the runs say.
 
 Gains that swing are islands: a louder loop may settle, and one louder still swing again. So a search by halves ends at
-the shore of any of them, and where it began decides of which. Here the gains are scanned. Below the lowest that is
-known to swing they are FINE apart over a rung and COARSE apart over another; from there on COARSE apart up to COVER
-times that gain, or up to FURTHER where most of them settle.
+the shore of any of them, and where it began decides of which. Here the gains are scanned: FINE apart over a rung below
+the lowest that is known to swing, with a quiet one a rung further down, and COARSE apart from there up to COVER times
+that gain, or up to FURTHER where most of them settle. A scan still misses single gains that swing, so the interval
+also holds what the edges of some noises of a cheaper model say.
 """
 
 import math
@@ -11,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby, pairwise
 from typing import NamedTuple
 
+from controller.stability.amplitude.edges import Interval
 from controller.stability.amplitude.swing import Swing
 
 RUNG = 1.5  # between gains while none is known to swing, and on the way down
@@ -19,7 +21,7 @@ QUIET = RUNG**2  # below the lowest that swings, how far is scanned
 COVER, FURTHER = 2.0, 3.0  # above it
 MOSTLY = 0.7  # share of the gains up to COVER, of those that settle
 MOST, LEAST = 64.0, 1e-2  # of the gain it begins with, how far is searched
-SHARP, RAGGED, SCATTERED = 1.2, 1.15, 1.5  # below the lowest that swings, where the interval begins
+SHARP, RAGGED, SCATTERED = 1.08, 1.1, 1.4  # below the lowest that swings, where the interval begins
 ABOVE, BEYOND = 1.15, 1.1  # above it at least, and above the loudest that settles
 ROUNDING = 1.0 + 1e-9
 Runs = Mapping[float, Swing]  # by gain
@@ -56,12 +58,7 @@ def next_gain(runs: Runs, near: float) -> float | None:
         return max(runs) * RUNG if max(runs) * RUNG <= near * MOST else None
     if least * QUIET > lowest * ROUNDING and least / RUNG > near * LEAST:
         return least / RUNG
-    return (
-        _between(runs, lowest, RUNG, COARSE)
-        or _louder(runs, lowest)
-        or _between(runs, lowest, RUNG, FINE)
-        or _between(runs, lowest, QUIET, COARSE)
-    )
+    return _between(runs, lowest, RUNG, COARSE) or _louder(runs, lowest) or _between(runs, lowest, RUNG, FINE)
 
 
 def _louder(runs: Runs, lowest: float) -> float | None:
@@ -93,9 +90,11 @@ def mostly_settling(runs: Runs) -> bool:
     return bool(louder) and sum(not swing.counts for swing in louder) >= MOSTLY * len(louder)
 
 
-def scanned(size: float, runs: Runs) -> Scanned:
-    """What the runs of a step of a size [m] say."""
+def scanned(size: float, runs: Runs, expected: Interval | None) -> Scanned:
+    """What the runs of a step of a size [m] say, and what a cheaper model gives for it, if there is one."""
     low, high = _interval(runs)
+    if expected is not None and 0.0 < low < math.inf:
+        low, high = _widened(low, high, runs, expected)
     swinging = [swing for gain, swing in sorted(runs.items()) if swing.counts and gain <= high]
     often = [swing.frequency for swing in swinging if swing.frequency > 0.0] or [0.0]
     peaks = [swing.peak_to_peak for swing in swinging] or [0.0]
@@ -119,6 +118,15 @@ def _interval(runs: Runs) -> tuple[float, float]:
     low = _low(runs, lowest, SCATTERED if scattered else RAGGED)
     high = max(BEYOND * max(settling), ABOVE * lowest)
     return low, high if scattered else min(high, COVER * lowest / RAGGED)
+
+
+def _widened(low: float, high: float, runs: Runs, expected: Interval) -> tuple[float, float]:
+    """The interval with an expected one in it, as far as it spans no more than COVER."""
+    lowest, low = lowest_swinging(runs), min(low, expected.low)
+    if not mostly_settling(runs):
+        high = min(high, COVER * low)
+    most = max(COVER * low, ABOVE * lowest)
+    return low, max(high, min(expected.high, most), lowest * FINE)
 
 
 def _low(runs: Runs, lowest: float, margin: float) -> float:
