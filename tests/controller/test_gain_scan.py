@@ -117,4 +117,6 @@ def test_the_interval_holds_what_a_cheaper_model_expects_within_twice_its_low_en
     assert [(step.low, step.high) for step in found[:2]] == [(0.7, 1.3), (0.7, pytest.approx(1.4))]
     assert found[2].low == scanned(SIZE, runs, None).low
     assert found[2].high >= 1.25
-    assert found[3].high >= 1.0  # the gain that swings is inside, wherever the model looks
+    assert found[3].low >= 0.5
+    assert found[3].high == pytest.approx(2.0 * found[3].low)
+    assert all(step.low <= 1.0 <= step.high for step in found)

@@ -121,12 +121,12 @@ def _interval(runs: Runs) -> tuple[float, float]:
 
 
 def _widened(low: float, high: float, runs: Runs, expected: Interval) -> tuple[float, float]:
-    """The interval with an expected one in it, as far as it spans no more than COVER."""
+    """The interval with an expected one in it; it spans no more than COVER, unless most of the gains settle there."""
     lowest, low = lowest_swinging(runs), min(low, expected.low)
-    if not mostly_settling(runs):
-        high = min(high, COVER * low)
-    most = max(COVER * low, ABOVE * lowest)
-    return low, max(high, min(expected.high, most), lowest * FINE)
+    if mostly_settling(runs):
+        return low, max(high, min(expected.high, COVER * low))
+    low = max(low, ABOVE * lowest / COVER)
+    return low, min(max(high, expected.high), COVER * low)
 
 
 def _low(runs: Runs, lowest: float, margin: float) -> float:
