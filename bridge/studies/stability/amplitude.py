@@ -147,7 +147,8 @@ def swing_range(scenario: Scenario, search: Search) -> SwingRange:
     high = max(*(step.swings_from for step in steps), *(i.high for i in others))
     wide = min(wide_gain(loop, asked, first), search.lowest_beyond(WIDE))
     rows = picture(loop, search, low, max((g for g in (high, wide) if math.isfinite(g)), default=math.inf), own)
-    return SwingRange(low, high, wide, tuple(steps), tuple(rows))
+    quiet = [row.gain * ROUGHLY for row in rows if len(row.swinging) < len(asked)]
+    return SwingRange(low, max([high, *quiet]), wide, tuple(steps), tuple(rows))
 
 
 def scans_of(loop: Loop, search: Search, own: float) -> list[Scanned]:
