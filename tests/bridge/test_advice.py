@@ -59,7 +59,7 @@ def test_advice_agrees_with_what_check_finds(name, tmp_path):
 EDGES = [  # sampling period [ms], delay [ms], mass [kg], step [mm]
     (50, 25, 303, -2),
     (50, 200, 120, 20),
-    (20, 80, 303, -20),
+    (5, 2.5, 303, 20),
 ]
 
 
@@ -71,7 +71,7 @@ def test_the_edge_of_the_twin_lies_in_the_interval(period, delay, mass, size):
     free = free_gain(scenario)
     (found,) = scans_of(loop_of(scenario), search_of(scenario, [size * 1e-3]), free.own)
     edge = step_edge(scenario, size * 1e-3, 0.7 * found.low, SCAN._replace(ratio=1.25))
-    assert found.high / found.low <= 2.0
+    assert found.high <= 2.001 * found.low
     assert found.low <= edge.swings
     assert edge.settles <= found.high
 
