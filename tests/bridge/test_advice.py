@@ -59,7 +59,6 @@ def test_advice_agrees_with_what_check_finds(name, tmp_path):
 EDGES = [  # sampling period [ms], delay [ms], mass [kg], step [mm]
     (50, 25, 303, -2),
     (50, 200, 120, 20),
-    (5, 2.5, 303, 20),
 ]
 
 
