@@ -100,6 +100,17 @@ class Course:
         self._begins.insert(place, act.begin)
         self._starts = {at: start for at, start in self._starts.items() if at < place}
 
+    def cease(self, act: Act, now: int) -> None:
+        """Let an act end at an instant; one that has not begun by then does not come."""
+        if act not in self._acts or not isinstance(act.shape, Altered) or act.begin + act.shape.lasts <= now:
+            return
+        place = self._acts.index(act)
+        self._starts = {at: start for at, start in self._starts.items() if at < place}
+        if act.begin < now:
+            self._acts[place] = act._replace(shape=act.shape._replace(lasts=now - act.begin))
+        else:
+            del self._acts[place], self._begins[place]
+
     def at(self, t: int) -> Point:
         """Value and slope at an instant."""
         return self._upto(bisect_right(self._begins, t), t)

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from bridge.loop.fault_clock import Spell
 from bridge.loop.inlet import Inlet
 from bridge.loop.link_faults import Way
+from bridge.scenario.faults import PlannedFault
 from bridge.wire.codec import ValveCommand
 from controller.grid import Sampling, is_sample, next_sample
 
@@ -46,6 +47,10 @@ class BadLink:
     def start(self, spell: Spell) -> None:
         """A fault of the link is going to be there."""
         (self._out if spell.fault.part == "measurement" else self._in).start(spell)
+
+    def end(self, fault: PlannedFault, now: int) -> None:
+        """End a fault of the link at an instant [ns]."""
+        (self._out if fault.part == "measurement" else self._in).end(fault, now)
 
     def through(self, scan: Scan, now: int) -> Iterator[Scan]:
         """Send a scan; those that the controller hears now."""

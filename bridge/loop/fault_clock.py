@@ -49,6 +49,18 @@ class FaultClock:
         else:
             self._waiting[fault.name], self._met[fault.name] = fault, True
 
+    def end(self, name: str, now: int) -> bool:
+        """End a fault, and let it begin no more; False where it is over already. Its end is told, if its begin was."""
+        waited = self._waiting.pop(name, None) is not None
+        mine = [entry for entry in self._turns if entry[2].spell.fault.name == name]
+        coming = {turn.spell.number for _, _, turn in mine if turn.begins}
+        self._turns = [entry for entry in self._turns if entry[2].spell.fault.name != name]
+        for _, count, turn in mine:
+            if turn.spell.number not in coming:
+                self._turns.append((min(now, turn.instant), count, turn._replace(instant=min(now, turn.instant))))
+        heapq.heapify(self._turns)
+        return waited or any(instant > now or turn.begins for instant, _, turn in mine)
+
     def turns(self, now: int) -> Iterator[Turn]:
         """What has begun or ended up to now, in order; each once."""
         while self._turns and self._turns[0][0] <= now:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Protocol
 
-from bridge.errors import ScenarioError
+from bridge.errors import ScenarioError, nearest
 from bridge.loop.bad_link import BadLink
 from bridge.loop.fault_chance import Luck
 from bridge.loop.fault_clock import FaultClock, Spell
@@ -15,7 +15,7 @@ from bridge.scenario.channels import chosen
 from bridge.scenario.faults import FURTHER, LINKS, PROCESS_OF, SENSORS, Fault, PlannedFault, plan_fault, planned
 from bridge.scenario.fitted_valve import power_off_of
 from bridge.scenario.plant_faults import acts_of, is_of_rig, refuse_beyond
-from bridge.wire.events import fault_turn, injection
+from bridge.wire.events import fault_turn, injection, withdrawal
 from bridge.wire.limits import FAULTS
 from controller.course import Act
 from controller.grid import NS, to_ns
@@ -31,6 +31,10 @@ class Altering(Protocol):
 
     def alter(self, name: str, act: Act) -> None:
         """Let an act change a number."""
+        ...
+
+    def cease(self, name: str, act: Act, now: int) -> None:
+        """Let an act end at an instant [ns], before its time."""
         ...
 
     def refuse(self, numbers: Mapping[str, float]) -> None:
@@ -56,7 +60,8 @@ class Faults:
         faults = planned(scenario)
         for fault in faults:
             self._refuse(fault)
-        self._names = {fault.name for fault in faults}
+        self._names = {fault.name: fault for fault in faults}
+        self._acts: dict[str, list[tuple[str, Act]]] = {}  # of the rig's numbers, by the names of their faults
         self._clock = FaultClock(faults, scenario.seed, self._start)
 
     def watch(self, now: int, signal: Callable[[str], float]) -> None:
@@ -88,10 +93,30 @@ class Faults:
         if one.name in self._names:
             raise ScenarioError(f"there is a fault {one.name!r} already; give it another name")
         self._refuse(one)
-        self._names.add(one.name)
+        self._names[one.name] = one
         self._tell(injection(given.model_dump_json(exclude_defaults=True)), 0, now)
         self._clock.add(one)
         return one
+
+    def end(self, name: str, now: int) -> PlannedFault:
+        """End a fault before its time, and let it begin no more. Raises ScenarioError where there is none to end."""
+        self._now = now
+        fault = self._names.get(name)
+        if fault is None:
+            raise ScenarioError(f"there is no fault {name!r}{nearest(name, self._names)}")
+        if fault.group == PROCESS_OF:
+            raise ScenarioError(f"{name!r} is a fault of a process: it ends by itself, after what `lasts` says")
+        if not self._clock.end(name, now):
+            raise ScenarioError(f"the fault {name!r} is over already")
+        for number, act in self._acts.pop(name, []):
+            self._rig.cease(number, act, now)
+        if fault.group == LINKS and self.link is not None:
+            self.link.end(fault, now)
+        for suffering in (self.card, self.further, self.valve):
+            if suffering is not None:
+                suffering.end(name, now)
+        self._tell(withdrawal(name), 0, now)
+        return fault
 
     def cut(self, begin: int, end: int) -> Iterator[tuple[int, int]]:
         """[begin, end) where faults of the valve's command begin and end."""
@@ -115,6 +140,7 @@ class Faults:
             for begin, lasts in _pieces(spell, seed, to_ns(self._scenario.duration)):
                 for name, act in acts_of(fault, begin, lasts, self._values):
                     self._rig.alter(name, act)
+                    self._acts.setdefault(fault.name, []).append((name, act))
         elif fault.group == LINKS:
             self.link = self.link or BadLink(seed, grid, self._inlet, self._now)
             self.link.start(spell)

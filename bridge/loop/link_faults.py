@@ -14,6 +14,7 @@ from bridge.loop.fault_chance import Bursts, Luck
 from bridge.loop.fault_clock import Spell
 from bridge.loop.spells import Spells
 from bridge.scenario.fault_kinds import LONGEST
+from bridge.scenario.faults import PlannedFault
 from controller.grid import NS, to_ns
 
 Bent = Callable[[int, int, list[int], int], tuple[list[int], int]]  # of number, sending, arrivals and shift
@@ -42,7 +43,17 @@ class Way:
 
     def start(self, spell: Spell) -> None:
         """A fault of this direction is going to be there."""
-        self._spells.add(spell, KINDS[spell.fault.kind](spell, Luck(self._seed, f"{spell.fault.name} message")))
+        self._spells.add(spell, self._made(spell))
+
+    def end(self, fault: PlannedFault, now: int) -> None:
+        """End a fault at an instant [ns]. What a link that was frozen has held back is there then."""
+        held = max((spell.end for spell, _ in self._spells.there(now) if spell.fault.name == fault.name), default=now)
+        self._spells.end(fault.name, now, self._made)
+        if fault.kind == "freeze" and held > now:
+            early = held - now
+            self._queue = [(at - early if at >= held else at, put, message) for at, put, message in self._queue]
+            heapq.heapify(self._queue)
+            self._last -= early if self._last >= held else 0
 
     def send(self, number: int, sent: int) -> Fate:
         """What becomes of a message; its copies are to be put on their way."""
@@ -78,6 +89,9 @@ class Way:
         if arrivals:
             self._last = max(self._last, arrivals[0])
         return Fate(tuple(arrivals), shift)
+
+    def _made(self, spell: Spell) -> Bent:
+        return KINDS[spell.fault.kind](spell, Luck(self._seed, f"{spell.fault.name} message"))
 
     def _count(self, word: str, happens: bool) -> None:
         if happens:

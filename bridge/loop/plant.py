@@ -129,6 +129,10 @@ class PlantSide:
         """Take one more fault because somebody says so. Raises ScenarioError, and takes none."""
         return self._faults.inject(fault, self.now)
 
+    def end_fault(self, name: str) -> PlannedFault:
+        """End a fault because somebody says so. Raises ScenarioError where there is none to end."""
+        return self._faults.end(name, self.now)
+
     def aim(self, target: float | None) -> None:
         """Take the newest target of a live reference [m], None without a new one; call once before each tick."""
         if self._live is not None:

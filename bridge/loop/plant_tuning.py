@@ -141,6 +141,11 @@ class PlantTuning:
         if name.startswith(DEAR):
             self._foresee(name, act)
 
+    def cease(self, name: str, act: Act, now: int) -> None:
+        """Let an act end at an instant that has just been reached, before its time."""
+        self._course(self.target(name)).cease(act, now)
+        self._due = min(self._due, now)
+
     def refuse(self, numbers: Mapping[str, float]) -> None:
         """Raises ScenarioError for numbers that the rig cannot have now."""
         self._rig.refuse(numbers)

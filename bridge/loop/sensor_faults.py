@@ -53,6 +53,10 @@ class SensorFaults:
         lie = KINDS[spell.fault.kind](spell, Luck(self._seed, f"{spell.fault.name} scan"), self)
         self._spells.add(spell, lie, early=spell.fault.kind in REMEMBERING)
 
+    def end(self, name: str, now: int) -> None:
+        """End a fault of a channel at an instant [ns]."""
+        self._spells.end(name, now)
+
     def read(self, tick: int, now: int, true: Array) -> Array:
         """What reaches the card of true values; shape (points of time, channels), or (channels,)."""
         read = np.atleast_2d(true).copy()

@@ -1,7 +1,7 @@
 """Spells of faults, and what each does: those that are there at an instant, without a look at the others."""
 
 import heapq
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Generic, TypeVar
 
 from bridge.loop.fault_clock import Spell
@@ -24,6 +24,24 @@ class Spells(Generic[T]):
         """Take one more; `early`: it has to see what is before it begins."""
         self._count += 1
         heapq.heappush(self._coming, (0 if early else spell.begin, self._count, spell, does))
+
+    def end(self, name: str, now: int, renewed: Callable[[Spell], T] | None = None) -> None:
+        """End a fault at an instant [ns]: those of its spells that are there, and let none come.
+
+        renewed: what a spell does that ends then, where that depends on its end.
+        """
+
+        def cut(spell: Spell, does: T) -> tuple[Spell, T]:
+            if spell.fault.name != name or spell.end <= now:
+                return spell, does
+            shorter = spell._replace(end=now)
+            return shorter, does if renewed is None else renewed(shorter)
+
+        mine = (spell.fault.name == name and spell.begin >= now for _, _, spell, _ in self._coming)
+        self._coming = [one for one, over in zip(self._coming, mine, strict=True) if not over]
+        self._coming = [(due, count, *cut(spell, does)) for due, count, spell, does in self._coming]
+        heapq.heapify(self._coming)
+        self._near = [cut(*one) for one in self._near if one[0].fault.name != name or one[0].begin < now]
 
     def near(self, now: int) -> list[tuple[Spell, T]]:
         """Those that are there at an instant [ns], some that have just ended, and the early ones."""

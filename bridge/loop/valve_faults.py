@@ -21,6 +21,10 @@ class ValveFaults:
         """A fault of the valve is going to be there."""
         self._spells.add(spell, self._made(spell))
 
+    def end(self, name: str, now: int) -> None:
+        """End a fault of the valve at an instant [ns]."""
+        self._spells.end(name, now)
+
     def next(self, now: int) -> int | None:
         """The next instant at which one begins or ends [ns]."""
         return self._spells.next(now)

@@ -1,4 +1,4 @@
-"""Queries that inject a fault into a rig that runs."""
+"""Queries that inject a fault into a rig that runs, or end one."""
 
 from typing import Any
 
@@ -11,10 +11,15 @@ from controller.grid import NS
 
 
 def injected_by(payload: bytes, scenario: Scenario) -> Act:
-    """What a table of a fault, such as {"target": "sensor.p2", "kind": "stuck"}, asks for. Raises UsageError."""
+    """What a table of a fault, such as {"target": "sensor.p2", "kind": "stuck"}, asks for, or {"end": "its name"}.
+
+    Raises UsageError.
+    """
     table = parsed(payload)
     if not isinstance(table, dict):
         raise UsageError('send a table, such as {"target": "sensor.p2", "kind": "stuck", "lasts": "2 s"}')
+    if "end" in table:
+        return _ended_by(table)
     at_once = not {"at", "when"} & table.keys()
     told = {**table, "at": 0.0} if at_once else table
     fault = check(scenario.model_dump(mode="json") | {"fault": [told]}, "fault").fault[0]
@@ -26,5 +31,17 @@ def injected_by(payload: bytes, scenario: Scenario) -> Act:
         taken = side.inject(fault)
         begins = [begin / NS for begin in taken.begins]
         return {"injected": taken.name, "what": taken.words, "begins": begins}
+
+    return act
+
+
+def _ended_by(table: dict[str, Any]) -> Act:
+    name = table["end"]
+    if table.keys() != {"end"} or not isinstance(name, str):
+        raise UsageError('to end a fault send its name alone: {"end": "sensor.p2 stuck"}')
+
+    def act(side: PlantSide) -> dict[str, Any]:
+        ended = side.end_fault(name)
+        return {"ended": ended.name, "what": ended.words, "at": side.now / NS}
 
     return act

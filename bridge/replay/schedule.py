@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from bridge.recording.reader import Recording
 from bridge.replay.stamps import stamp_in
 from bridge.scenario import Scenario
-from bridge.wire.events import injected, is_injection, is_setting, missed_by, setting_of, silent_since
+from bridge.wire.events import injected, is_injection, is_setting, missed_by, setting_of, silent_since, withdrawn
 from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
 
@@ -23,6 +23,7 @@ class Input(NamedTuple):
     command: Any  # None: a reset, a setting or a fault
     setting: tuple[str, float, int] | None = None  # name, number and time [ns] that somebody has set
     fault: str = ""  # that somebody has injected, as JSON
+    ended: str = ""  # fault that somebody has ended
 
 
 class Latch(NamedTuple):
@@ -45,9 +46,7 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     known |= {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
     heard = _heard_late(recording)
     latches = list(_latches(events, scenario, grid))
-    inputs = [Input(e.stamp - grid.daq, None) for e in events if e.kind == EventKind.RESET]
-    inputs += [Input(e.stamp - grid.daq, None, setting_of(e.text)) for e in events if is_setting(e)]
-    inputs += [Input(e.stamp - grid.daq, None, None, injected(e)) for e in events if is_injection(e)]
+    inputs = [found for event in events if (found := _said(event, event.stamp - grid.daq))]
     reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
     for command in commands:
         name = command.source, command.sequence
@@ -57,6 +56,17 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
         reached[command.source] = instant = max(instant, reached.get(command.source, 0))
         inputs.append(Input(instant, command))
     return sorted(inputs, key=lambda entry: (entry.instant, entry.command is not None))
+
+
+def _said(event: Any, instant: int) -> Input | None:
+    """What an operator has said by an event, in the order in which it was said."""
+    if event.kind == EventKind.RESET:
+        return Input(instant, None)
+    if is_setting(event):
+        return Input(instant, None, setting=setting_of(event.text))
+    if is_injection(event):
+        return Input(instant, None, fault=injected(event))
+    return Input(instant, None, ended=name) if (name := withdrawn(event)) else None
 
 
 def _heard_late(recording: Recording) -> dict[int, int]:

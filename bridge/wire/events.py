@@ -94,6 +94,17 @@ def injected(event: Any) -> str:
     return event.text.removeprefix("injected ")
 
 
+def withdrawal(name: str) -> str:
+    """The text of a `fault` event of one that somebody has ended; that of its end follows, if it had begun."""
+    return f"withdrawn '{name}'"
+
+
+def withdrawn(event: Any) -> str:
+    """The name of the fault in such an event; "" in another one."""
+    told = event.kind == EventKind.FAULT and not event.command and event.text.startswith("withdrawn '")
+    return event.text.removeprefix("withdrawn '").removesuffix("'") if told else ""
+
+
 class FaultTurn(NamedTuple):
     """A fault begins or ends."""
 

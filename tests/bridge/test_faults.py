@@ -1,14 +1,15 @@
 """Faults by chance, on conditions and live, and those that cannot be."""
 
+import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 import hydrotwin as ht
-from bridge.errors import ScenarioError
+from bridge.errors import ScenarioError, UsageError
 from bridge.loop.exchange import exchange, sides
 from bridge.processes.injection import injected_by
 from bridge.recording.changes import changes as changes_in
@@ -16,7 +17,7 @@ from bridge.recording.manifest import manifest
 from bridge.recording.writer import RecordingWriter
 from bridge.replay.through import Through, replay_through
 from bridge.runs.in_process import record_in_process
-from bridge.scenario import load
+from bridge.scenario import Scenario, load
 from bridge.scenario.faults import planned, targets
 from tests.support.faults import faulty
 from tests.support.processes import ROOT
@@ -40,28 +41,109 @@ def test_faults_come_again_by_chance_and_on_conditions(tmp_path: Path):
     assert any("'late' begins" in change.text for change in changes_in(run))
 
 
-def test_a_fault_that_is_injected_acts_at_once_and_comes_out_of_a_replay(tmp_path: Path):
-    made = faulty()
+class Said(NamedTuple):
+    """A run in which an operator has spoken, and its replay."""
+
+    run: list[Any]  # messages
+    answers: list[dict[str, Any]]
+    verdict: Any
+
+    def told(self) -> list[str]:
+        """The texts of its events."""
+        return [message.message.text for message in self.run if message.topic == "event"]
+
+    def column(self, topic: str, name: str) -> Any:
+        return np.array([getattr(m.message, name) for m in self.run if m.topic == topic])
+
+
+def said(made: Scenario, orders: dict[int, list[dict[str, Any]]], folder: Path) -> Said:
+    """A run in which queries come after a tick, and its replay into the plant."""
     plant, controller = sides(made)
-    asked = injected_by(b'{"target": "sensor.p2", "kind": "stuck", "lasts": "0.1 s"}', made)
     entries: list[Any] = []
-    answer: dict[str, Any] = {}
+    answers = []
     for tick, messages in enumerate(exchange(plant, controller, made.ticks)):
         entries += messages
-        if tick == 300:
-            answer = asked(plant)
-    assert answer["injected"] == "sensor.p2 stuck"
-    path = tmp_path / "run.mcap"
+        answers += [injected_by(json.dumps(order).encode(), made)(plant) for order in orders.get(tick, [])]
+    path = folder / "run.mcap"
     writer = RecordingWriter(path, made.rig_name)
     writer.metadata("run", manifest(made, plant.run_id))
     writer.instant(entries)
     writer.close()
-    verdict = replay_through(path, Through("plant", tmp_path / "again.mcap", alone=True))
-    assert verdict.events_differ is None
-    assert {difference.greatest for difference in verdict.differences} == {0.0}
-    told = [message.message.text for message in entries if message.topic == "event"]
-    assert any(text.startswith("injected {") for text in told)
-    assert sum("'sensor.p2 stuck' begins" in text for text in told) == 1
+    return Said(entries, answers, replay_through(path, Through("plant", folder / "again.mcap", alone=True)))
+
+
+def test_a_fault_that_is_injected_acts_at_once_and_comes_out_of_a_replay(tmp_path: Path):
+    found = said(faulty(), {300: [{"target": "sensor.p2", "kind": "stuck", "lasts": "0.1 s"}]}, tmp_path)
+    assert found.answers[0]["injected"] == "sensor.p2 stuck"
+    assert found.verdict.events_differ is None
+    assert {difference.greatest for difference in found.verdict.differences} == {0.0}
+    assert any(text.startswith("injected {") for text in found.told())
+    assert sum("'sensor.p2 stuck' begins" in text for text in found.told()) == 1
+
+
+ENDED = [  # what each kind of target does, and the number or signal that tells that it is over
+    {"target": "sensor.p2", "kind": "bias", "size": "20 bar"},
+    {"target": "sensor.p2", "kind": "delay", "time": "30 ms"},
+    {"target": "valve", "kind": "reversed"},
+    {"target": "valve", "kind": "stuck"},
+    {"target": "pump", "kind": "speed-drop", "over": "0.5 s"},
+    {"target": "load", "kind": "jump", "mass": "60 kg"},
+    {"target": "link.command", "kind": "delay", "time": "40 ms"},
+    {"target": "link.measurement", "kind": "freeze", "lasts": "10 s"},
+    {"target": "link.command", "kind": "freeze", "lasts": "10 s"},
+]
+
+
+@pytest.mark.parametrize("fault", ENDED, ids=lambda fault: f"{fault['target']} {fault['kind']}")
+def test_a_fault_that_is_ended_is_as_if_it_had_lasted_so_long(fault: dict[str, str], tmp_path: Path):
+    """To the bit: ended after 150 ms, or with `lasts` so from the beginning; and a replay repeats it."""
+    name, patient = f"{fault['target']} {fault['kind']}", faulty(changes=("loop.command_timeout=1",))
+    for place in (ended := tmp_path / "ended", lasted := tmp_path / "lasted"):
+        place.mkdir()
+    found = said(patient, {300: [fault], 450: [{"end": name}]}, ended)
+    same = said(patient, {300: [fault | {"lasts": "150 ms"}]}, lasted)
+    assert found.answers[1] == {"ended": name, "what": found.answers[0]["what"], "at": 0.45}
+    for topic, signal in (("state", "position"), ("state", "p_pump"), ("measurement", "p2"), ("command", "spool")):
+        assert (found.column(topic, signal) == same.column(topic, signal)).all(), signal
+    turns = [text for text in found.told() if text.startswith(f"'{name}'")]
+    assert [text.split()[2] for text in turns] == ["begins:", "ends:"]
+    assert f"withdrawn '{name}'" in found.told()
+    for each in (found, same):
+        assert each.verdict.events_differ is None
+        assert {difference.greatest for difference in each.verdict.differences} == {0.0}
+
+
+def test_what_a_fault_would_have_done_later_does_not_come(tmp_path: Path):
+    """One that comes again and again, one that waits, and both at one instant with others; each name once."""
+    again = {"target": "sensor.p3", "kind": "off", "at": "0.35 s", "lasts": "20 ms", "every": "0.1 s", "times": 3}
+    waits = {"target": "sensor.p2", "kind": "off", "when": "position > 500 mm", "name": "later"}
+    at_once = {"target": "valve", "kind": "bias", "size": 0.1}
+    orders = {300: [again, waits], 400: [{"end": "sensor.p3 off"}, {"end": "later"}, at_once, {"end": "valve bias"}]}
+    found = said(faulty(), orders | {500: [at_once]}, tmp_path)
+    turns = [text.partition(":")[0] for text in found.told() if "begins" in text or "ends" in text]
+    assert turns == ["'sensor.p3 off' begins", "'sensor.p3 off' ends", "'valve bias from 0.5 s' begins"]
+    assert found.verdict.events_differ is None
+    assert {difference.greatest for difference in found.verdict.differences} == {0.0}
+
+
+@pytest.mark.parametrize(
+    ("order", "said"),
+    [
+        ({"end": "sensor.p2 of"}, "there is no fault 'sensor.p2 of'; did you mean 'sensor.p2 off'?"),
+        ({"end": "sensor.p2 off"}, "the fault 'sensor.p2 off' is over already"),
+        ({"end": "sensor.p2 off", "at": 1}, "to end a fault send its name alone"),
+        ({"end": ["sensor.p2 off"]}, "to end a fault send its name alone"),
+    ],
+)
+def test_what_cannot_be_ended_is_refused_in_one_line(order: dict[str, Any], said: str):
+    made = faulty('{target="sensor.p2", kind="off", at="0.1 s", lasts="0.1 s"}')
+    plant, controller = sides(made)
+    for _ in exchange(plant, controller, 300):
+        pass
+    with pytest.raises(UsageError) as raised:
+        injected_by(json.dumps(order).encode(), made)(plant)
+    assert said in str(raised.value)
+    assert "\n" not in str(raised.value)
 
 
 @pytest.mark.parametrize(

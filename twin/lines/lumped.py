@@ -27,7 +27,9 @@ from twin.lines.wall import creep_port, inner_flow
 
 WALL = 5  # in the memory of a line
 SIZE = 12  # of it
-PRESSURES_AT = np.array([0, 1, 3, 4])  # in it
+SECOND_FREE, FLOW, SECOND_PRESSURE = 1, 2, 4  # in it: c_2, Q, p_2
+PRESSURES_AT = np.array([0, 1, 3, 4])
+SECOND_AT = np.array([SECOND_FREE, SECOND_PRESSURE])
 Z, PER_INERTANCE, RESISTANCE, PER_FLOW, CREEPS, CREEP = range(6)
 NUMBERS = CREEP + wall.NUMBERS
 
