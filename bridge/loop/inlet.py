@@ -12,7 +12,7 @@ from bridge.loop.safety import Gaps, Gate, Objection, Watchdog
 from bridge.loop.safety_states import SafetyStates
 from bridge.scenario import Scenario
 from bridge.scenario.safety import planned, value_in_words
-from bridge.wire.events import absence, refusal
+from bridge.wire.events import absence, reason_of, refusal
 from bridge.wire.messages import EventKind, Reason, SafetyState
 from controller.grid import NS, next_sample, to_ns
 from controller.hold import Hold, Segment
@@ -106,10 +106,10 @@ class Inlet:
 
     def offer(self, command: Any, now: int) -> bool:
         """Take a command; False when it is refused."""
-        refused = self._gate.check(command, now, self._objection())
+        refused = self._gate.check(command, now, self._objection(command, now))
         if refused is not None:
             if self._note_refusal(*refused, command.source, command.sequence, command.apply_at):
-                self._gaps.refuse(command, refused[0])
+                self._gaps.refuse(command.source, command.sequence, refused[0])
             return False
         if gap := self._gaps.accept(command):
             self.note(EventKind.MISSED, absence(*gap), command.source, command.sequence, command.apply_at)
@@ -128,11 +128,18 @@ class Inlet:
 
     def lose(self, command: Any) -> None:
         """A fault of the link has kept a command away, which everybody knows."""
-        self._gaps.lose(command)
+        self._gaps.lose(command.source, command.sequence)
 
     def refuse(self, reason: Reason, text: str) -> None:
         """Count and note what is not a command at all."""
         self._note_refusal(*self._gate.refuse(reason, text))
+
+    def retell(self, refusal: Any) -> None:
+        """Count and note a refusal that has been told before, by its event."""
+        reason, told = Reason(reason_of(refusal)), refusal.text
+        self._gate.refuse(reason, told)
+        self._gaps.refuse(refusal.source, refusal.command, reason)
+        self.note(EventKind.REFUSED, told, refusal.source, refusal.command, refusal.apply_at)
 
     def reset(self, now: int) -> None:
         """Leave the safe state because somebody says so."""
@@ -195,14 +202,25 @@ class Inlet:
             names = ", ".join(self._alarms[number].id for number in still)
             self.note(EventKind.DEGRADED, f"still there: alarm {names}")
 
-    def _objection(self) -> Objection | None:
-        """Why no command is taken now; None where one can be."""
+    def _objection(self, command: Any, now: int) -> Objection | None:
+        """Why a command is not taken now, whatever it says; None where one can be."""
         if not self.shut:
-            return None
+            return self._too_old(command, now)
         if self.latched:
             return Reason.LATCHED, "the plant is in its safe state until reset"
         names = ", ".join(self._alarms[number].id for number in self._states.keeping)
         return Reason.ALARM, f"the plant is in its safe state until alarm {names} is gone"
+
+    def _too_old(self, command: Any, now: int) -> Objection | None:
+        """What a safe plant gets from a link that was cut: an answer that tells nothing of a controller that is back.
+
+        It is too old where silence since then would make the plant safe. Whoever speaks first of all is heard.
+        """
+        due = command.sample_stamp + self._grid.delay + self._grid.sample
+        if not self.safe or not self._gate.accepted or now < self._watchdog.trip_at(due):
+            return None
+        behind, timeout = (now - command.sample_stamp) / NS, self._watchdog.timeout / NS
+        return Reason.STALE, f"answer to a sample of {behind:g} s ago, longer than the time-out of {timeout:g} s"
 
     def _limited(self, value: float) -> float:
         if self._limit < 1.0 and self.state == SafetyState.DEGRADED:

@@ -114,6 +114,10 @@ class PlantSide:
             return True
         return self.inlet.offer(command, self.now)
 
+    def retell(self, refusal: Any) -> None:
+        """Tell once more of a refusal, by its event: of what was refused no more may be known."""
+        self.inlet.retell(refusal)
+
     def reset(self) -> None:
         """Leave the safe state because somebody says so."""
         self.inlet.reset(self.now)

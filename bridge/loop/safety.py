@@ -123,15 +123,15 @@ class Gaps:
         self._last = -1  # sequence of the last command that was taken
         self._told = 0  # refusals that were told since then
 
-    def refuse(self, command: Any, reason: Reason) -> None:
+    def refuse(self, source: int, sequence: int, reason: Reason) -> None:
         """A command was refused, and an event says so."""
-        if reason not in (Reason.FOREIGN_RUN, Reason.SECOND_CONTROLLER):
-            self.lose(command)
+        if reason not in (Reason.FOREIGN_RUN, Reason.SECOND_CONTROLLER, Reason.UNDECODABLE):
+            self.lose(source, sequence)
 
-    def lose(self, command: Any) -> None:
+    def lose(self, source: int, sequence: int) -> None:
         """A command was lost, and everybody knows by which rule."""
-        self._turn_to(command.source)
-        self._told += command.sequence > self._last
+        self._turn_to(source)
+        self._told += sequence > self._last
 
     def accept(self, command: Any) -> tuple[int, int] | None:
         """First and last sequence of the gap before a command that is taken; None without a gap."""

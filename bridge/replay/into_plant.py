@@ -34,6 +34,8 @@ def _hand_in(given: Input, side: PlantSide) -> None:
         side.set({name: value}, over)
     elif given.fault:
         side.inject(Fault.model_validate_json(given.fault))
+    elif given.refused is not None:
+        side.retell(given.refused)
     elif given.ended:
         side.end_fault(given.ended)
     elif given.command is None:

@@ -60,7 +60,7 @@ class Residuals:
 def events_apart(mine: Recording, recorded: Recording) -> str | None:
     """Where the events of two runs diverge, in one line. But for what was not taken.
 
-    Of a refused command it is not known to the tick when it came, and it is not handed in again.
+    A refusal is told again, but its place among the other events of its tick is not known.
     """
     ours, theirs = _events(mine), _events(recorded)
     for one, other in zip(ours, theirs, strict=False):

@@ -1,9 +1,14 @@
 """When each recorded command reached the plant, as far as that can make a difference.
 
 One in time may be handed in as soon as its sample is taken: it acts at its own instant. One that came late is handed in
-at the instant it took effect, `applied_at` of its event. What the plant refused or never heard is left out.
+at the instant it took effect, `applied_at` of its event. What the plant never heard is left out.
+
+A refusal is told again by its event and not judged again: it changes nothing of the plant but what waits for it, and
+where a reset or another command came within the same tick nobody knows which was first. A bad link is there again, and
+refuses by itself what comes twice or too late: there every command is handed in.
 """
 
+import json
 from bisect import bisect_left
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -11,6 +16,7 @@ from typing import Any, NamedTuple
 from bridge.recording.reader import Recording
 from bridge.replay.stamps import stamp_in
 from bridge.scenario import Scenario
+from bridge.scenario.faults import LINKS
 from bridge.wire.events import injected, is_injection, is_setting, missed_by, setting_of, silent_since, withdrawn
 from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
@@ -24,6 +30,7 @@ class Input(NamedTuple):
     setting: tuple[str, float, int] | None = None  # name, number and time [ns] that somebody has set
     fault: str = ""  # that somebody has injected, as JSON
     ended: str = ""  # fault that somebody has ended
+    refused: Any = None  # event of a refusal
 
 
 class Latch(NamedTuple):
@@ -41,12 +48,13 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     """All inputs of a recorded run in the order of their instants."""
     events, grid = recording.messages("event"), scenario.loop.grid()
     commands = recording.messages("command")
-    unheard = _unheard(events, commands)
+    linked = _has_bad_link(events, scenario)
+    unheard = _unheard(events, commands, linked)
     known = {(e.source, e.command): e.stamp - grid.daq for e in events if e.kind == EventKind.RESUMED}
     known |= {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
     heard = _heard_late(recording)
     latches = list(_latches(events, scenario, grid))
-    inputs = [found for event in events if (found := _said(event, event.stamp - grid.daq))]
+    inputs = [found for event in events if (found := _said(event, event.stamp - grid.daq, linked))]
     reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
     for command in commands:
         name = command.source, command.sequence
@@ -58,8 +66,17 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     return sorted(inputs, key=lambda entry: (entry.instant, entry.command is not None))
 
 
-def _said(event: Any, instant: int) -> Input | None:
-    """What an operator has said by an event, in the order in which it was said."""
+def _has_bad_link(events: list[Any], scenario: Scenario) -> bool:
+    """Is there a fault of the link at some time of the run?"""
+    injections = (json.loads(injected(event)) for event in events if is_injection(event))
+    targets = [fault.target for fault in scenario.fault] + [fault["target"] for fault in injections]
+    return any(target.startswith(f"{LINKS}.") for target in targets)
+
+
+def _said(event: Any, instant: int, linked: bool) -> Input | None:
+    """What an operator has said by an event, or what the plant has refused, in the order in which it was said."""
+    if event.kind == EventKind.REFUSED and not linked:
+        return Input(instant, None, refused=event)
     if event.kind == EventKind.RESET:
         return Input(instant, None)
     if is_setting(event):
@@ -79,9 +96,9 @@ def _heard_late(recording: Recording) -> dict[int, int]:
     return found
 
 
-def _unheard(events: list[Any], commands: list[Any]) -> set[tuple[int, int]]:
-    """Source and sequence of the commands that the plant refused or that never came to it."""
-    unheard = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED}
+def _unheard(events: list[Any], commands: list[Any], linked: bool) -> set[tuple[int, int]]:
+    """Source and sequence of the commands that the plant refused, but over a bad link, or that never came to it."""
+    unheard = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED and not linked}
     missed = [event for event in events if event.kind == EventKind.MISSED]
     for event in (event for event in missed if event.source):
         sent = sorted(command.sequence for command in commands if command.source == event.source)

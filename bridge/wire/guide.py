@@ -74,7 +74,8 @@ prints the header of a law in C). A controller of your own, in any language that
 Faults of the link (scenario.fault with a target link.measurement or link.command) let measurements come late, twice,
 out of order or never. Answer a sample once, and none that is older than the last that you have answered: in lockstep
 the plant waits for those answers and no others. A fault is told on <rig>/event, kind `fault`, when it begins and ends;
-a query to <rig>/fault with {{"target": "sensor.p2", "kind": "stuck", "lasts": "2 s"}} injects one (docs/faults.md).
+a query to <rig>/fault with {{"target": "sensor.p2", "kind": "stuck", "lasts": "2 s"}} injects one, and
+{{"end": "sensor.p2 stuck"}} ends it (docs/faults.md).
 
 Numbers may change while the loop runs. `changed` on <rig>/event says which and from when on (apply_at, ns); its text is
 "NAME = VALUE" in SI, and perhaps "over N ns", for what somebody has set, and "timeline K: ..." for the scenario's own

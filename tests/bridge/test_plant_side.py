@@ -202,6 +202,26 @@ def test_a_backlog_from_before_the_safe_state_does_not_act():
     assert side.inlet.safe_states == 1
 
 
+def test_answers_from_within_a_cut_do_not_wake_the_plant_and_the_first_that_is_young_enough_does():
+    """The link is cut for 100 ms; then the controller answers what was waiting, an answer a tick, until it is in time.
+
+    Silence since a sample makes the plant safe 30 ms after it: so the answer to 80 ms, which comes at 107 ms, is the
+    first that is taken; it left its safe state for that to 40 ms, and was safe again at once.
+    """
+    side = plant("loop.command_timeout=0.02", "loop.after_timeout=resume")
+    assert side.take(command(0, 0, 0, 1.0))
+    events = [m.message for _ in range(100) for m in side.tick() if m.topic == "event"]
+    taken = []
+    for k in range(1, 20):
+        taken.append(side.now >= k * 10 * MS and side.take(command(k, k * 10 * MS, k * 10 * MS, 0.1)))
+        for _ in range(1 if k < 10 else 10):
+            events += [m.message for m in side.tick() if m.topic == "event"]
+    assert taken[:10] == [False] * 7 + [True] * 3
+    assert side.inlet.refused == {"stale": 7}
+    told = [(event.kind, event.command) for event in events if event.kind in ("safe", "resumed")]
+    assert told == [("safe", 0), ("resumed", 8)]
+
+
 @pytest.mark.parametrize(("policy", "taken"), [("latch", False), ("resume", True)])
 def test_after_the_timeout_the_plant_latches_or_resumes_as_configured(policy, taken):
     side = plant("loop.command_timeout=0.02", f"loop.after_timeout={policy}")

@@ -1,6 +1,7 @@
 """Recorded inputs through the real controller and the twin: nothing differs, until something was changed."""
 
 import json
+import math
 import signal
 import time
 from collections.abc import Callable
@@ -19,7 +20,7 @@ from bridge.replay.into_plant import through_plant
 from bridge.replay.through import Through, replay_through
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
-from bridge.wire.codec import encode
+from bridge.wire.codec import ValveCommand, encode
 from bridge.wire.messages import Outgoing, Reason
 from tests.bridge.test_golden import TOLERANCES
 from tests.support.command import hydrotwin_here
@@ -169,9 +170,42 @@ def by_hand(hear: Hear, *changes: str) -> dict[Reason, int]:
         out += [*spoken, *plant.tick()]
     entries = [Entry(m.topic, m.log_time, m.sequence, encode(m.message)) for m in [*out, *plant.finish("complete")]]
     recorded = recording(Path("none.mcap"), entries, {"run": {"run_id": str(plant.run_id)}})
-    again = [encode(m.message) for tick in through_plant(recorded, scenario) for m in tick if m.topic == "state"]
-    assert again == [entry.data for entry in entries if entry.topic == "state"]
+    again = [m for tick in through_plant(recorded, scenario) for m in tick]
+    assert [encode(m.message) for m in again if m.topic == "state"] == [e.data for e in entries if e.topic == "state"]
+    for kind in ("changed", "refused"):
+        told = [[m.message for m in run if m.topic == "event" and m.message.kind == kind] for run in (out, again)]
+        assert told[0] == told[1]
     return plant.inlet.refused
+
+
+def test_what_waits_for_a_refusal_comes_again_with_it():
+    """A command of nobody we know, one that is no number, one out of range and what is no command at all."""
+    others = {50: {"source": 7}, 150: {"spool": math.nan}, 250: {"spool": 2.0}}
+
+    def hear(plant: PlantSide, tick: int, spoken: list[Outgoing]) -> list[Outgoing]:
+        if tick == 350:
+            plant.receive(b"nonsense")
+        if tick not in others:
+            return spoken
+        first = spoken[0].message
+        return [*spoken, spoken[0]._replace(message=ValveCommand(**vars(first) | {"sequence": 900} | others[tick]))]
+
+    push = '{set="rig.load.force", to="500 N", lasts="30 ms", when="refused", times=4}'
+    refused = by_hand(hear, "duration=0.5", f"timeline=[{push}]", "allowed.refused=4")
+    assert sum(refused.values()) == 4
+    assert set(refused) == {Reason.SECOND_CONTROLLER, Reason.NOT_FINITE, Reason.OUT_OF_RANGE, Reason.UNDECODABLE}
+
+
+def test_what_a_bad_link_lets_come_twice_is_refused_again(tmp_path: Path):
+    """And what waits for it happens at the same instants."""
+    twice = '{target="link.command", kind="duplicate", share=0.3, time="30 ms", at="0.2 s"}'
+    push = '{set="rig.load.force", to="500 N", lasts="5 ms", when="refused", times=20}'
+    changes = ["duration=1.0", f"fault=[{twice}]", f"timeline=[{push}]", "allowed.refused=100", "expect=[]"]
+    run = record_in_process(load("step", changes), tmp_path / "run.mcap")
+    assert sum(event.kind == "refused" for event in run.messages("event")) > 5
+    verdict = replay_through(run.path, Through("plant", tmp_path / "again.mcap", alone=True))
+    assert verdict.events_differ is None
+    assert {difference.greatest for difference in verdict.differences} == {0.0}
 
 
 def test_a_changed_gain_is_found_and_located(lockstep, folder):
