@@ -304,7 +304,8 @@ def map_stability(
 
     Colours count the multipliers outside the unit circle, by linear theory: of the dimensionless actuator, over which
     --simulate lays runs of the nonlinear one; or of a scenario's rig (--rig), with runs of the full twin. Where such a
-    run of the actuator and theory disagree, the cause is found and named. An interrupted map continues where it was.
+    run of the actuator and theory disagree, the cause is found and named. A theory that takes long says so, and Ctrl-C
+    draws the columns that are there. Runs that are interrupted continue where they were.
     """
     from bridge.studies.stability.map import Wanted, make
 

@@ -81,7 +81,9 @@ class Faults:
         self._now = now
         if len(self._names) >= FAULTS:
             raise ScenarioError(f"there have been {FAULTS} faults in this run: no more are taken")
-        given = fault if fault.at is not None or fault.when is not None else fault.model_copy(update={"at": now / NS})
+        given = fault
+        if fault.at is None and fault.when is None:
+            given = fault.model_copy(update={"at": self._spoken(fault.target.partition(".")[0], now) / NS})
         try:
             one = plan_fault(given, self._scenario, 0)
         except ValueError as error:
@@ -106,12 +108,13 @@ class Faults:
             raise ScenarioError(f"there is no fault {name!r}{nearest(name, self._names)}")
         if fault.group == PROCESS_OF:
             raise ScenarioError(f"{name!r} is a fault of a process: it ends by itself, after what `lasts` says")
-        if not self._clock.end(name, now):
+        instant = self._spoken(fault.group, now)
+        if not self._clock.end(name, instant):
             raise ScenarioError(f"the fault {name!r} is over already")
         for number, act in self._acts.pop(name, []):
             self._rig.cease(number, act, now)
         if fault.group == LINKS and self.link is not None:
-            self.link.end(fault, now)
+            self.link.end(fault, instant)
         for suffering in (self.card, self.further, self.valve):
             if suffering is not None:
                 suffering.end(name, now)
@@ -128,6 +131,10 @@ class Faults:
     def counts(self) -> dict[str, int]:
         """What the faults of the link have done, by name."""
         return {} if self.link is None else self.link.counts()
+
+    def _spoken(self, group: str, now: int) -> int:
+        """When what somebody says acts [ns]: on a link after the messages of this instant, whoever was first."""
+        return now + self._scenario.loop.grid().step if group == LINKS else now
 
     def _refuse(self, fault: PlannedFault) -> None:
         if is_of_rig(fault):

@@ -1,8 +1,11 @@
 """Charts over any two numbers of a loop: every cell is the loop of its own numbers, whatever goes in one stack."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from bridge.errors import RunError
 from bridge.scenario import load
 from bridge.studies.stability.chart import (
     AXES,
@@ -11,7 +14,9 @@ from bridge.studies.stability.chart import (
     Plainly,
     chart,
 )
+from bridge.studies.stability.map import Wanted, make
 from bridge.studies.stability.rig_loop import loop_of
+from bridge.studies.stability.watched_theory import Watch
 from controller.stability import Timing, closed, monodromy, multipliers, stable_count
 
 FILTERED = Plainly({"damping": 0.1, "delay": 0.6}, "filtered", 0.7)
@@ -58,3 +63,32 @@ def test_both_axes_must_differ_and_exist():
         chart(FILTERED, "gain", "gain", np.ones(1), np.ones(1))
     with pytest.raises(ValueError, match=r"axis 'mass' is unknown \(valid: gain, derivative"):
         chart(FILTERED, "mass", "gain", np.ones(1), np.ones(1))
+
+
+def test_a_chart_that_is_stopped_has_the_columns_that_are_there():
+    x, y = np.linspace(0.5, 9.0, 9), np.linspace(0.0, 4.0, 5)
+    whole = chart(FILTERED, "period", "gain", x, y)
+    part = chart(FILTERED, "period", "gain", x, y, lambda done: done < 4)
+    assert (part.x == x[:4]).all()
+    for mine, all_of_them in zip(part[4:8], whole[4:8], strict=True):
+        assert (mine == all_of_them[:, :4]).all()
+
+
+def test_a_long_chart_is_told_and_an_interrupted_one_is_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """1000 columns of 0.1 s each: 100 s, and 10 s for a side of sqrt(10 s/100 s); the time goes with the area."""
+    said, now = [], [0.0]
+    watch = Watch(1000, lambda: now[0] > 2.0, lambda: None, said.append, lambda: now[0])
+    for done in range(40):
+        now[0] = 0.1 * done
+        if not watch(done):
+            break
+    assert done == 21
+    assert said == [
+        "theory of 1000 columns takes some 100 s here; Ctrl-C draws what is there, and --cells 320 takes some 10 s"
+    ]
+    monkeypatch.setattr(Watch, "__call__", lambda self, done: done < 5)
+    wanted = Wanted("period", "gain", None, None, None, "", (), (), 20, 8, False, "measured", None)
+    with pytest.raises(RunError, match=r"interrupted at period 4\.289 of 20, 5 of 20 columns: .*map\.png"):
+        make(wanted, tmp_path / "map", 1, None)
+    assert (tmp_path / "map.csv").read_text(encoding="utf-8").count("\n") == 1 + 5 * 20
+    assert {path.name for path in tmp_path.iterdir()} == {"map.png", "map.csv", "map.html"}

@@ -4,7 +4,7 @@ Dimensionless: `controller.stability.linear_actuator`; delay and filter time in 
 and V s/%, times in ms, damping in N s/m.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -145,8 +145,13 @@ class OfRig(Family):
         return value * per_metre(1.0, self.scenario.rig.cylinder.stroke, self.scenario.rig.valve.full_scale)
 
 
-def chart(family: Family, across: str, up: str, x: Array, y: Array) -> Chart:
-    """Count multipliers over two of AXES. Raises ValueError for other axes, and for a period that is not positive."""
+def chart(
+    family: Family, across: str, up: str, x: Array, y: Array, goes_on: Callable[[int], bool] = lambda done: True
+) -> Chart:
+    """Count multipliers over two of AXES. Raises ValueError for other axes, and for a period that is not positive.
+
+    goes_on: asked before each column, by the number that are there; where it says no the chart ends with them.
+    """
     for axis in (across, up):
         if axis not in AXES:
             raise ValueError(f"axis {axis!r} is unknown{nearest(axis, AXES)}")
@@ -156,6 +161,10 @@ def chart(family: Family, across: str, up: str, x: Array, y: Array) -> Chart:
     outside, total = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
     excess, angle = np.zeros(shape), np.zeros(shape)
     for column, value in enumerate(x.tolist()):
+        if not goes_on(column):
+            x, outside, total = x[:column], outside[:, :column], total[:, :column]
+            excess, angle = excess[:, :column], angle[:, :column]
+            break
         for rows, mu in _column(family, {**family.numbers, across: value}, up, y):
             worst = np.take_along_axis(mu, np.argmax(np.abs(mu), axis=-1)[..., None], -1)[..., 0]
             total[rows, column] = mu.shape[-1]

@@ -6,13 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.errors import nearest
+from bridge.errors import RunError, nearest
 from bridge.scenario import Scenario, load
 from bridge.scenario.units import interval
 from bridge.studies.stability.actuator_runs import OWN, actuator_runs
 from bridge.studies.stability.chart import (
     AXES,
     RANGES,
+    Chart,
     Family,
     OfRig,
     Plainly,
@@ -33,6 +34,7 @@ from bridge.studies.stability.relay_map import (
     relay_runs,
 )
 from bridge.studies.stability.twin_runs import twin_runs
+from bridge.studies.stability.watched_theory import watching
 from bridge.studies.sweep.engine import Crew
 
 AROUND = {"gain": (0.0, 4.0), "derivative": (0.0, 4.0), "period": (0.2, 5.0), "delay": (0.0, 5.0)}  # of the rig's own
@@ -60,7 +62,7 @@ class Wanted(NamedTuple):
 
 
 def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> list[Path]:
-    """Compute, run, write. Raises ValueError or UsageError that says what would do."""
+    """Compute, run, write. Raises ValueError or UsageError that says what would do, RunError when interrupted."""
     scenario = None if wanted.rig is None else load(wanted.rig, list(wanted.changes))
     if scenario is None and (wanted.changes or wanted.about):
         raise ValueError("--set and --about are of a scenario's rig; name one with --rig, or use --at NAME=NUMBER")
@@ -80,7 +82,10 @@ def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> l
     given = numbers(wanted.fixed, [*family.numbers, *(OWN if wanted.simulate else ())])
     family.numbers |= given
     x, y = (span(axis, text, family, wanted.cells) for axis, text in ((wanted.across, wanted.x), (wanted.up, wanted.y)))
-    drawn = chart(family, wanted.across, wanted.up, x, y)
+    with watching(len(x)) as watch:
+        drawn = chart(family, wanted.across, wanted.up, x, y, watch)
+    if len(drawn.x) < len(x):
+        raise RunError(_interrupted(drawn, x, output))
     places = [(a, b) for a in inner(x, wanted.runs) for b in inner(y, wanted.runs)]
     part, crew = output.with_name(f"{output.name}.part"), Crew(workers, scheduler)
     overlay = NOTHING
@@ -90,6 +95,16 @@ def make(wanted: Wanted, output: Path, workers: int, scheduler: str | None) -> l
         overlay = actuator_runs(plain, wanted.across, wanted.up, places, part, crew)
     marked = None if wanted.mark is None else scaled(load(wanted.mark))
     return write(drawn, overlay, output, marked)
+
+
+def _interrupted(drawn: Chart, x: NDArray[np.float64], output: Path) -> str:
+    """Write what there is of a chart; what to say of it."""
+    if len(drawn.x) < 2:
+        return "interrupted before two columns were there: nothing is written"
+    paths = ", ".join(str(path) for path in write(drawn, NOTHING, output))
+    return (
+        f"interrupted at {drawn.across} {drawn.x[-1]:.4g} of {x[-1]:.4g}, {len(drawn.x)} of {len(x)} columns: {paths}"
+    )
 
 
 def _of_rig(scenario: Scenario, wanted: Wanted) -> OfRig:
