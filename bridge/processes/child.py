@@ -18,6 +18,7 @@ class Child:
         """environment: of `guarded`, which ends the process when we are gone."""
         self.role = role
         self.words = folder / f"{role}.log"
+        self._sent: set[signal.Signals] = set()
         command = python("-m", "bridge", role, *arguments)
         with self.words.open("wb") as log:
             self.process = subprocess.Popen(
@@ -37,6 +38,11 @@ class Child:
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
         return f"the {self.role} (pid {self.process.pid}) {how}" + (f": {words[-1]}" if words else "")
 
+    def killed(self) -> bool:
+        """Has somebody else ended it by a signal?"""
+        code = self.process.poll()
+        return code is not None and code < 0 and -code not in self._sent
+
     def notes(self) -> list[str]:
         """What it has to say that is not a failure."""
         lines = self.words.read_text(errors="replace").splitlines()
@@ -46,7 +52,7 @@ class Child:
         """Ask it to end: a recorder closes its file then."""
         if not self.ended():
             self.process.send_signal(signal.SIGCONT)
-            self.process.terminate()
+            self._send(signal.SIGTERM)
 
     def end(self) -> None:
         """Make sure that it is gone, within GRACE."""
@@ -54,5 +60,9 @@ class Child:
         try:
             self.process.wait(GRACE)
         except subprocess.TimeoutExpired:
-            self.process.kill()
+            self._send(signal.SIGKILL)
             self.process.wait()
+
+    def _send(self, number: signal.Signals) -> None:
+        self._sent.add(number)
+        self.process.send_signal(number)

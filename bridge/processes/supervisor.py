@@ -70,6 +70,7 @@ class Supervisor:
                 for child in self.children:
                     child.end()
                     self.notes += child.notes()
+                self._note_faults(asked=True)
         self.recorded = _state(self.options.recording) not in (None, before)
         if not self.recorded and not self.faults:
             early = "interrupted before it began" if self.stop() else "its processes ended without a word"
@@ -147,8 +148,9 @@ class Supervisor:
     def _over(self) -> bool:
         now = time.monotonic()
         self._failing.act(self.children)
-        self._note_faults()
-        if all(child.ended() for child in self._who_end()):
+        ended = all(child.ended() for child in self._who_end())
+        self._note_faults()  # of all who have ended by then, too
+        if ended:
             return True
         if self._asked_to_stop is not None:
             return self._too_slow(now - self._asked_to_stop)
@@ -158,11 +160,11 @@ class Supervisor:
             return self._too_slow(now - self._plant_over)
         return self._silent(now)
 
-    def _note_faults(self) -> None:
-        """Take down each failed process once, before any is ended by us."""
+    def _note_faults(self, asked: bool = False) -> None:
+        """Take down each failed process once; of those that we have asked to end only who was killed by others."""
         self._noted += [child for child in self._failing.killed if child not in self._noted]
         for child in self.children:
-            if child not in self._noted and (fault := child.fault()):
+            if child not in self._noted and (child.killed() or not asked) and (fault := child.fault()):
                 self._noted.append(child)
                 self.faults.append(fault)
 
