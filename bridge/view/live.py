@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,6 +29,7 @@ from bridge.wire.link import Link
 PERIOD = 0.1  # [s] from look to look at what has come, and from batch to batch of a viewer
 FILED = 1.0  # [s] from batch to batch of a file: twenty small ones take ten times the processor time and twice the disk
 LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then it cannot leave, nor in lockstep go on
+PART = 3000  # messages drawn at once, a second's at 1 kHz: memory for more of them would never be given back
 FLUSH = 2.0  # [s] that Rerun has to take a batch; then what comes waits, and in the end is left out
 UNINDEXED = "warn,re_log_encoding::rrd::file_sink=error"  # Rerun's log, without its warning that there is no index
 PICTURE_AFTER = 4.0  # [s] of simulated time, unless somebody says when
@@ -137,8 +138,10 @@ class Live:
                 waiting += self.inbox.take()
                 over = over or _another(waiting, drawing.run_id)
             if free and (over or time.monotonic() >= drawn + apart):
-                drawing.add([entry for entry in waiting if run_of(entry) == drawing.run_id])
-                free, drawn, waiting = _flushed(drawing.stream, FLUSH), time.monotonic(), []
+                for part in parts(waiting, drawing.run_id):
+                    drawing.add(part)
+                    free = _flushed(drawing.stream, FLUSH)
+                drawn, waiting = time.monotonic(), []
             if over:
                 return
 
@@ -159,6 +162,16 @@ def _yield_to_all() -> None:
     for, and the guard has to end Rerun on a busy machine too.
     """
     os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+
+
+def parts(entries: list[Entry], run_id: int) -> Iterator[list[Entry]]:
+    """The messages of a run in the order of their times, a few at once; a state before the profile of its tick."""
+    own = sorted(
+        (entry for entry in entries if run_of(entry) == run_id),
+        key=lambda entry: (entry.log_time, entry.topic != "state"),
+    )
+    for begin in range(0, len(own), PART):
+        yield own[begin : begin + PART]
 
 
 def _another(entries: list[Entry], run_id: int) -> bool:

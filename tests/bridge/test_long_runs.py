@@ -60,7 +60,7 @@ def watched(path: Path, seconds: float) -> dict[str, Memory]:
             for role, pid in pids.items():
                 samples[role].append(resident(pid))
             time.sleep(seconds / 200)
-        assert viewer.wait(60) == 0, words_of(viewer)
+        assert viewer.wait(60 + 0.1 * seconds) == 0, words_of(viewer)
         assert run.wait(60 + 0.2 * seconds) == 0, words_of(run)
         assert run.stdout is not None
         path.with_suffix(".json").write_text(run.stdout.read())

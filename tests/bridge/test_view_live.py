@@ -146,6 +146,28 @@ def test_what_is_for_all_times_is_sent_once(tmp_path: Path):
     assert (np.diff(sorted(maps)) / 1e9).tolist() == pytest.approx([0.5, 0.5], abs=0.04)  # profiles come every 0.02 s
 
 
+def test_what_has_waited_is_drawn_in_parts_and_whole(tmp_path: Path):
+    """A busy machine lets seconds of messages wait, topic by topic; a profile is drawn with the state of its tick."""
+    import rerun as rr
+
+    from bridge.view.live import PART, parts
+    from bridge.view.live_drawing import Drawing
+
+    head, entries = messages(3.0)
+    waiting = sorted(entries, key=lambda entry: WATCHED.index(entry.topic))
+    found = list(parts(waiting, int(head["run_id"])))
+    assert len(found) == 2
+    assert max(map(len, found)) <= PART
+    stream, path = rr.RecordingStream("hydrotwin"), tmp_path / "a.rrd"
+    stream.save(path)
+    drawing = Drawing(stream, head, bare=False)
+    for part in found:
+        drawing.add(part)
+    stream.disconnect()
+    assert sorted(column(path, "/position_mm/piston", "Scalars:scalars")[0]) == [k * 1_000_000 for k in range(3001)]
+    assert sorted(column(path, "/rig/piston", "Transform3D:translation")[0]) == [k * 20_000_000 for k in range(151)]
+
+
 @contextmanager
 def running(*changes: str):
     """A scenario in real time and the address of its plant."""

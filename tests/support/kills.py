@@ -15,7 +15,7 @@ from bridge.errors import RunError, UsageError
 from bridge.machine.guard import marked
 from bridge.recording.reader import read
 from bridge.recording.recover import recover
-from tests.support.processes import COARSE, ENVIRONMENT, UNDRAWN, child, grown, wait_for, with_signal
+from tests.support.processes import COARSE, ENVIRONMENT, LOOSE, UNDRAWN, child, grown, wait_for, with_signal
 
 PHASES = ("starting", "running", "ending")
 ROLES = ("plant", "controller", "record", "supervisor", "router")
@@ -77,7 +77,7 @@ def _found(path: Path) -> str:
 @contextmanager
 def _run(path: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     name, value = "HYDROTWIN_TEST", secrets.token_hex(16)
-    words = ["run", "step", "--set", f"duration={DURATION}", *COARSE, ROUTED, "--record", str(path), *UNDRAWN]
+    words = ["run", "step", "--set", f"duration={DURATION}", *COARSE, *LOOSE, ROUTED, "--record", str(path), *UNDRAWN]
     process = subprocess.Popen(
         [sys.executable, "-m", "bridge", *words],
         stdout=subprocess.PIPE,
