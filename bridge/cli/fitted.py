@@ -94,7 +94,7 @@ def number_rows(found: "Judged") -> Iterator[tuple[str, ...]]:
     """One row for each number."""
     for e in found.known.estimates:
         one = e.parameter
-        share = f"{e.spread:.2%}" if one.scale == 0.0 else one.words(e.error)
+        share = f"{100.0 * e.spread:.2g} %" if one.scale == 0.0 else one.words(e.error)
         ends = " .. ".join(one.words(end) for end in e.interval)
         yield one.name, one.words(one.start), one.words(e.value), ends, share, "" if e.identified else "not identified"
 

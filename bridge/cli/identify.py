@@ -48,6 +48,15 @@ SEGMENT = Annotated[
 MOVING = Annotated[
     bool, typer.Option("--only-moving", help="Leave out pressures of the chambers while the valve is shut.")
 ]
+SUGGEST = Annotated[
+    bool, typer.Option("--suggest", help="Fit nothing: write a scenario whose excitation tells the numbers best.")
+]
+DURATION = Annotated[str, typer.Option(help="With --suggest: how long it may take.")]
+MOTION = Annotated[
+    str | None, typer.Option(metavar="LOW:HIGH", help="With --suggest: where the rod may go, '50:220 mm'.")
+]
+PRESSURE = Annotated[str, typer.Option(help="With --suggest: the greatest pressure in chambers and at the tee.")]
+TRIES = Annotated[int, typer.Option(min=1, max=100_000, help="With --suggest: excitations to try.")]
 STARTS = Annotated[int, typer.Option(min=1, max=10_000, help="Starts of the fit.")]
 RESULT = Annotated[
     Path | None,
@@ -67,6 +76,11 @@ def identify(
     segment: SEGMENT = None,
     only_moving: MOVING = False,
     starts: STARTS = 1,
+    suggest: SUGGEST = False,
+    duration: DURATION = "30 s",
+    motion: MOTION = None,
+    pressure: PRESSURE = "250 bar",
+    tries: TRIES = 22,
     workers: WORKERS = 0,
     scheduler: SCHEDULER = None,
     output: RESULT = None,
@@ -79,6 +93,10 @@ def identify(
     data cannot tell, and what the fit leaves of each signal, on recordings to judge it on as well. See
     docs/identify.md.
     """
+    if suggest:
+        limits = duration, motion, pressure
+        _suggest(rig, changes or [], (fit or [], prior or []), limits, tries, (workers, scheduler), output, as_json)
+        return
     if not files:
         raise UsageError("name the recordings to fit: hydrotwin identify run.mcap --fit rig.load.mass")
     there(*files, *(judge or []))
@@ -130,6 +148,45 @@ def _noise(text: str) -> tuple[str, float]:
     if not name or not isinstance(found, float) or not found > 0.0:
         raise UsageError(f"--noise {text!r}: write SIGNAL=RMS, such as p2='0.05 bar'")
     return name, found
+
+
+def _suggest(
+    rig: str | None,
+    changes: list[str],
+    numbers: tuple[list[str], list[str]],
+    limits: tuple[str, str | None, str],
+    tries: int,
+    crew: tuple[int, str | None],
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Write the scenario of the best excitation."""
+    from bridge.cli.fitted import refuse_foreign
+    from bridge.cli.suggested import asked_of, plain_suggestion, suggestion_rows, write_suggestion
+    from bridge.cli.sweep import continuation
+    from bridge.studies.identification.suggestion import suggest
+    from bridge.studies.sweep.engine import Crew
+
+    if rig is None:
+        raise UsageError("name the rig to excite: --suggest --rig drive.toml")
+    if output is not None:
+        refuse_foreign(output)
+    asked = asked_of(rig, changes, numbers, limits)
+    path = output or own_folder("identify") / "excitation.toml"
+    part = path.with_suffix(".part")
+    with said_when_interrupted(continuation(path, part)):
+        found = suggest(asked, tries, part, Crew(*crew))
+    write_suggestion(found, rig, changes, asked.duration, path)
+    if as_json:
+        print_json(plain_suggestion(found) | {"files": [str(path)]})
+        return
+    from bridge.cli.tables import print_table
+
+    low, high, most = found.reached
+    print(f"{found.words}: the best of {found.kept} within the limits, of {found.tried} that were tried")
+    print(f"the rod goes from {low * 1e3:.4g} to {high * 1e3:.4g} mm, pressures up to {most / 1e5:.4g} bar")
+    print_table(("number", "value", "error of a fit", "of the median candidate"), suggestion_rows(found))
+    print(path)
 
 
 def _found(wanted: "Wanted", starts: int, path: Path, crew: "Crew") -> "Judged":

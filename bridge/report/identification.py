@@ -69,7 +69,7 @@ def _numbers(found: "Judged") -> str:
     for e in found.known.estimates:
         one = e.parameter
         ends = " .. ".join(one.words(end) for end in e.interval)
-        share = f"{e.spread:.2%}" if one.scale == 0.0 else one.words(e.error)
+        share = f"{100.0 * e.spread:.2g} %" if one.scale == 0.0 else one.words(e.error)
         told = "identified" if e.identified else "<span class='failed'>not identified</span>"
         limit = ", at its limit" if e.at_limit else ""
         cells = [one.name, one.words(one.start), one.words(e.value), ends, share]

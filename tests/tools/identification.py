@@ -60,7 +60,7 @@ def excitation(seed: int, duration: float) -> str:
 
 def draw(point: Point, duration: float = 30.5) -> dict[str, Any]:
     """One worn rig."""
-    seed, began = int(point["draw"]), time.process_time()
+    seed, duration, began = int(point["draw"]), float(point.get("seconds", duration)), time.process_time()
     base = plain(str(SCENARIO))
     base["reference"]["csv"] = excitation(seed, duration)
     own = changed(base, [f"seed={seed}", f"duration={duration} s"], "worn")
@@ -149,6 +149,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--draws", type=int, default=100)
     parser.add_argument("--first", type=int, default=1, help="seed of the first draw")
+    parser.add_argument("--seconds", type=float, default=30.5, help="of data")
     parser.add_argument("--part", type=Path, help="keeps what has been drawn")
     parser.add_argument("--workers", type=int, default=1, help="0: one per core")
     parser.add_argument("--so-far", type=Path, nargs="+", metavar="PART")
@@ -156,7 +157,9 @@ def main() -> None:
     if options.so_far:
         report(found_in(options.so_far))
         return
-    points = [{"draw": seed} for seed in range(options.first, options.first + options.draws)]
+    points = [
+        {"draw": seed, "seconds": options.seconds} for seed in range(options.first, options.first + options.draws)
+    ]
     crew = HERE if options.workers == 1 else Crew(options.workers, None)
     with rounds(draw, {"title": "draws", "worn": WORN}, options.part, crew) as ask:
         report([result for begin in range(0, len(points), CHUNK) for result in ask(points[begin : begin + CHUNK])])
