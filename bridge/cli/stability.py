@@ -11,7 +11,7 @@ from bridge.errors import UsageError
 
 if TYPE_CHECKING:
     from bridge.scenario import Scenario
-    from bridge.studies.stability.advice import Advice, CycleAdvice, GainInUnits, PointAdvice, RowAdvice, StepAdvice
+    from bridge.studies.stability.advised import Advice, CycleAdvice, GainInUnits, PointAdvice, RowAdvice, StepAdvice
     from bridge.studies.stability.verified import Verified, VerifiedCycle
 
 PAIR = "LOW:HIGH"
@@ -58,8 +58,8 @@ def advise(
     from bridge.scenario import load
 
     checked = load(scenario, changes)
-    from bridge.studies.stability.advice import Advice
     from bridge.studies.stability.advice import advise as advice
+    from bridge.studies.stability.advised import Advice
 
     found = advice(checked, _sizes(steps))
     if as_json and not verify:

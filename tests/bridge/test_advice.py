@@ -19,7 +19,8 @@ from bridge.runs.check import check_scenario
 from bridge.runs.run import run_scenario, shown
 from bridge.scenario import Scenario, ScenarioError, load
 from bridge.scenario.gains import law_gains
-from bridge.studies.stability.advice import Advice, CycleAdvice, advise
+from bridge.studies.stability.advice import advise
+from bridge.studies.stability.advised import Advice, CycleAdvice
 from bridge.studies.stability.amplitude import loop_of, scans_of
 from bridge.studies.stability.probe import stand_of
 from bridge.studies.stability.sampled_law import free_gain

@@ -11,7 +11,8 @@ import pytest
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario, load
 from bridge.studies.stability import amplitude
-from bridge.studies.stability.advice import Advice, advise
+from bridge.studies.stability.advice import advise
+from bridge.studies.stability.advised import Advice
 from bridge.studies.stability.amplitude import loop_of
 from bridge.studies.stability.probe import stand_of
 from bridge.studies.stability.sampled_law import at_free, at_gain, free_gain, is_asked

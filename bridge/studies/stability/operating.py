@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
-from bridge.studies.stability.advice import Stability
+from bridge.studies.stability.advised import Stability
 from bridge.studies.stability.amplitude import own_row, range_over
 from bridge.studies.stability.sampled_law import free_gain, is_asked
 from controller.bands import Metrics

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from bridge.scenario import Scenario
-from bridge.studies.stability.advice import StepAdvice
+from bridge.studies.stability.advised import StepAdvice
 from bridge.studies.stability.probe import stand_of
 from bridge.studies.stability.sampled_law import free_gain
 from bridge.studies.stability.trial import trial
