@@ -33,6 +33,10 @@ class Hold:
         self.put(apply_at, value)
         self._pending.extend(later)
 
+    def waiting(self) -> list[tuple[int, float]]:
+        """What is to act, and from when on [ns]."""
+        return list(self._pending)
+
     def at(self, instant: int) -> float:
         """The value that acts just before an instant [ns], as far as is known."""
         return next((value for begin, value in reversed(self._pending) if begin < instant), self.value)

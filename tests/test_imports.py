@@ -44,7 +44,7 @@ LEVELS: dict[str, tuple[tuple[str, ...], ...]] = {  # from the bottom up; a file
         ("seats", "lines"),
         ("relief",),
         ("circuit",),
-        ("chatter",),
+        ("chatter", "estimation"),
     ),
     "controller": (
         (

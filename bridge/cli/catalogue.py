@@ -128,6 +128,16 @@ VERBS = {
         "Play a recording on the bus with its own timing; or --into the twin or a controller, and judge what "
         "comes out.",
     ),
+    "follow": Verb(
+        PROCESSES,
+        "follow:follow",
+        "Estimate what no sensor reads: twins beside a rig or a recording, corrected by its measurements.",
+    ),
+    "whatif": Verb(
+        PROCESSES,
+        "follow:whatif",
+        "Say what would happen if a number of the controller were changed now, from the present estimate.",
+    ),
     "remote": Verb(
         PROCESSES, "replay:remote", "Control a replay that runs, from anywhere: prints where it stands then."
     ),

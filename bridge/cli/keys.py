@@ -29,7 +29,7 @@ def keys(
     """Make certificates, passwords and Zenoh configurations for a network on which each role may do only its part.
 
     Only the controller writes commands, only the operator changes numbers, injects faults and resets; plant,
-    controller, recorder, viewer and operator may watch; nobody else connects. Needs the command openssl.
+    controller, recorder, viewer, follower and operator may watch; nobody else connects. Needs the command openssl.
     """
     hosts, rigs = _fitting("--host", host or [], HOST), _fitting("--rig", rig or ["rig"], RIG)
     from bridge.machine.key_folder import make_keys

@@ -3,6 +3,8 @@
 Nothing here knows clocks or networks: times are simulated nanoseconds that the plant hands in.
 """
 
+import copy
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -78,6 +80,11 @@ class Inlet:
     def shut(self) -> bool:
         """Are valid commands refused, until a reset or until an alarm is gone?"""
         return self._states.shut
+
+    @property
+    def in_force(self) -> bool:
+        """Does a command act, or has one acted?"""
+        return self._hold.since >= 0
 
     @property
     def prompt(self) -> bool:
@@ -157,12 +164,27 @@ class Inlet:
             self._gate.in_force = max(self._gate.in_force, self._hold.since)
         return [segment._replace(value=self._limited(segment.value)) for segment in segments]
 
+    def held(self) -> Hold:
+        """A copy of what is in force and what is to follow."""
+        return copy.deepcopy(self._hold)
+
     def look(self, now: int, signal: Callable[[str], float]) -> None:
         """After a scan [ns]: take note of alarms that come and go, and end a retreat."""
         for turn in self._alarm_watch.look(now, signal):
             (self._come if turn.there else self._go)(turn, now)
         if self._refuge.retreating:
-            self._refuge.look(now, signal(POSITION))
+            self.watch_position(now, signal(POSITION))
+
+    def turn(self, number: int, there: bool, now: int) -> None:
+        """Somebody else has looked: an alarm has come [ns], or is gone."""
+        alarm = self._alarms.get(number)
+        if alarm is not None and self._states.knows(number) != there:
+            (self._come if there else self._go)(Turn(alarm, there, math.nan), now)
+
+    def watch_position(self, now: int, position: float) -> None:
+        """After a scan [ns, m]: end a retreat."""
+        if self._refuge.retreating:
+            self._refuge.look(now, position)
 
     def notes(self) -> list[Note]:
         """What has happened since the last call."""

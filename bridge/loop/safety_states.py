@@ -44,6 +44,10 @@ class SafetyStates:
         """Are valid commands refused?"""
         return self._safe and (self._latched or bool(self.keeping))
 
+    def knows(self, number: int) -> bool:
+        """Is an alarm there?"""
+        return number in self._there
+
     def trip(self, latched: bool) -> None:
         """Go to the safe state; `latched`: only a reset leaves it."""
         self._safe, self._latched = True, latched

@@ -43,6 +43,7 @@ SETTLING = 2.0  # seconds in which a plant that started at the same instant may 
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
 LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
 LINGER = 5.0  # seconds that partners get to finish
+FOLLOWING = 60.0  # seconds that a follower gets: in lockstep it may be behind
 
 
 LAST_PHASE = {
@@ -128,6 +129,7 @@ class PlantProcess:
             self.bus.publish(message)
         phase = LAST_PHASE[ending]
         status = self._report(phase, reason, final=True)
+        self.bus.await_leaving(("follower",), FOLLOWING)
         self.bus.await_leaving(partners, LINGER)
         self._narrator.close()
         return PlantReport(status, phase, reason)

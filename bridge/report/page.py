@@ -6,6 +6,8 @@ from pathlib import Path
 from bridge.drawing.html import svg, text
 from bridge.errors import UsageError, writing
 from bridge.report.charts import CHARTS, draw_chart
+from bridge.report.estimates import CAPTION as ESTIMATED
+from bridge.report.estimates import draw_estimates, has_estimates
 from bridge.report.maps import draw_maps, draw_timing
 from bridge.report.own_signals import draw_own, own_charts
 from bridge.report.sections import (
@@ -93,7 +95,12 @@ def _charts(runs: list[Run], names: list[str]) -> str:
         figure(draw_own(chart, runs, names), f"signals{i}", chart.title, chart.kind.caption)
         for i, chart in enumerate(own_charts(runs), 1)
     ]
-    return "".join(drawn + own)
+    followed = [
+        figure(draw_estimates(run), f"estimate{i}", f"Estimate{f': {name}' if len(runs) > 1 else ''}", ESTIMATED)
+        for i, (run, name) in enumerate(zip(runs, names, strict=True), 1)
+        if has_estimates(run)
+    ]
+    return "".join(drawn + own + followed)
 
 
 def _stability(runs: list[Run], names: list[str]) -> str:

@@ -29,6 +29,7 @@ class Role(StrEnum):
     OPERATOR = "operator"
     RECORDER = "recorder"
     VIEWER = "viewer"
+    FOLLOWER = "follower"
 
 
 MEMBERS = tuple(role for role in Role if role is not Role.ROUTER)  # who connects
@@ -61,7 +62,7 @@ def rights(role: Role) -> Rights:
         return Rights((*puts, "status"), answers=ANSWERS)
     if role is Role.RECORDER:
         return Rights((*puts, "status"), answers=(SAVING,))
-    return Rights((*puts, "status")) if role is Role.CONTROLLER else Rights()
+    return Rights((*puts, "status")) if role in (Role.CONTROLLER, Role.FOLLOWER) else Rights()
 
 
 def member(role: Role, identity: Identity, password: str) -> dict[str, Any]:

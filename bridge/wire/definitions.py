@@ -6,7 +6,7 @@ MEASURED = {name: f"[{channel.unit}]{channel.note}" for name, channel in CHANNEL
 COMPARABLE = {name: f"[{channel.unit}]" for name, channel in CHANNELS.items()}
 
 
-def _floats(comments: dict[str, str]) -> str:
+def floats(comments: dict[str, str]) -> str:
     """Lines of a message definition, their comments one below the other."""
     width = max(map(len, comments))
     return "".join(f"float64 {name:{width}}  # {comment}\n" for name, comment in comments.items())
@@ -20,7 +20,7 @@ uint64 sequence
 uint64 tick       # stamp = tick * DAQ period
 int64 stamp       # simulated time since the start of the run [ns]
 """
-    + _floats(MEASURED),
+    + floats(MEASURED),
     "ValveCommand": """\
 # One command to the proportional valve, held until the next one acts.
 uint64 run_id
@@ -59,7 +59,7 @@ uint64 run_id     # of the recorded run
 uint64 sequence
 int64 stamp       # [ns] of the measurement, of a command the sample it answers
 """
-    + _floats(COMPARABLE | {"position": "[m], of measurements", "spool": "spool reference, of commands"}),
+    + floats(COMPARABLE | {"position": "[m], of measurements", "spool": "spool reference, of commands"}),
 }
 
 OTHER_MESSAGES: dict[str, str] = {

@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from bridge.wire.definitions import LOOP_MESSAGES, OTHER_MESSAGES, STANDARD_MESSAGES
+from bridge.wire.estimates import ESTIMATE_MESSAGES
 from twin.topology import PRESSURES
 
 PACKAGE = "hydrotwin_msgs/msg"
@@ -136,8 +137,11 @@ def _own(name: str) -> str:
     return f"{PACKAGE}/{name}"
 
 
-TEXTS = {_own(name): text for name, text in (LOOP_MESSAGES | OTHER_MESSAGES).items()} | STANDARD_MESSAGES
+TEXTS = {
+    _own(name): text for name, text in (LOOP_MESSAGES | ESTIMATE_MESSAGES | OTHER_MESSAGES).items()
+} | STANDARD_MESSAGES
 CHANNELS_TOPIC = "channels"
+ESTIMATE, INNOVATION = "estimate", "innovation"
 VARYING = _own("Channels")  # the type whose fields follow from the scenario
 RULE = "=" * 80  # between the types of a schema
 
@@ -174,6 +178,8 @@ TOPICS: dict[str, Topic] = {
             False,
             "drop; the last one blocks",
         ),
+        Topic(ESTIMATE, _own("Estimate"), "follower", "correction, 5 DAQ periods", True, False),
+        Topic(INNOVATION, _own("Innovation"), "follower", "correction, 5 DAQ periods", True, False),
         Topic("residual", _own("Residual"), "replay", "as the replay goes", False, False),
         Topic("reset", "std_msgs/msg/Empty", "anybody", "to leave the safe state", False, False, "block"),
     )
@@ -254,6 +260,12 @@ def field_names(kind: str) -> list[str]:
     return [field.name for field in fields_of(kind)]
 
 
-OF_SOME_RUNS = (CHANNELS_TOPIC, "signals", "said")  # topics that most runs do not have, nor their recordings
+OF_SOME_RUNS = (
+    CHANNELS_TOPIC,
+    "signals",
+    "said",
+    ESTIMATE,
+    INNOVATION,
+)  # topics that most runs do not have, nor their recordings
 SOURCED = ("command", "reference", "signals", "said")  # topics on which several sources may speak
 TOLD = ("event", "said")  # topics of events

@@ -50,6 +50,8 @@ ALONE = {  # what each verb is called with; FILE is a recording
     "recover": ("FILE", "-o", "whole.mcap", "--json"),
     "export": ("FILE", "--csv", "--json"),
     "import": ("LOG", "--map", "MAP", "--json"),
+    "follow": ("FILE", "-o", "followed.mcap", "--json"),
+    "whatif": ("FILE", "--horizon", "0.1 s", "--json"),
     "digest": ("FILE", "FILE", "--json"),
     "messages": ("--json",),
     "figures": ("--json",),

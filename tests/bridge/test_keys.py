@@ -96,6 +96,7 @@ def test_only_the_controller_commands_and_only_the_operator_changes():
         Role.OPERATOR: {"reset", "target", "parameters/set", "fault"},
         Role.RECORDER: set(),
         Role.VIEWER: set(),
+        Role.FOLLOWER: set(),
     }
 
 
@@ -103,7 +104,7 @@ def test_every_message_of_the_table_has_one_role_that_may_send_it():
     """`status` is everybody's; a replay has no rights on a guarded rig."""
     for topic in TOPICS.values():
         senders = [role for role in Role if topic.name in rights(role).puts]
-        assert len(senders) == {"status": 3, "residual": 0}.get(topic.name, 1), topic.name
+        assert len(senders) == {"status": 4, "residual": 0}.get(topic.name, 1), topic.name
 
 
 def test_what_may_not_be_asked_gets_no_answer(net):

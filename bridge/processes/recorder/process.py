@@ -25,6 +25,7 @@ from controller.grid import NS
 
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
 YIELDING = 5  # niceness: the loop's own processes come first
+FOLLOWING = 60.0  # seconds for a follower, which in lockstep may be behind
 PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
 
 
@@ -181,9 +182,10 @@ class RecorderProcess:
     def _over(self, file: RunFile) -> bool:
         if file.ended_at is None:
             return self._contact.lost() and self._inbox.empty()
-        expected = {"plant"} | ({"controller"} & set(self.bus.present))
+        expected = {"plant"} | ({"controller", "follower"} & set(self.bus.present))
         settled = expected <= file.announced and not file.tally.losses()
-        return settled or time.monotonic() - file.ended_at > PATIENCE
+        behind = self.bus.present.get("follower") and "follower" not in file.announced
+        return settled or time.monotonic() - file.ended_at > (FOLLOWING if behind else PATIENCE)
 
 
 def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool, request: Request | None = None) -> list[Path]:

@@ -226,7 +226,7 @@ class RunFile:
         if sent:
             self.announced.add(status.role)
             self.tally.announce({name: n for name, n in sent.items() if self.request.wants(name) or name in ORDERING})
-        if status.role in ("plant", "controller") and len(self.turned) < MOST_KINDS:
+        if status.role in ("plant", "controller", "follower") and len(self.turned) < MOST_KINDS:
             turned = counts(TURNED, numbers_of(status))
             self.turned |= {f"{status.role}: {what}": number for what, number in turned.items()}
         if status.role == "plant" and status.phase not in GOING:

@@ -1,0 +1,133 @@
+"""Verbs of the twin beside a rig: follow."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from bridge.cli.options import AS_JSON, CHANGES, CONFIG, CONNECT, MODE, PATIENCE, QUIET, ProcessMode, there
+from bridge.cli.outputs import print_json
+from bridge.wire.link import DEFAULT_ENDPOINT
+from bridge.wire.messages import Mode
+
+if TYPE_CHECKING:
+    from twin.estimation.settings import Settings
+
+WITHOUT = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--without",
+        metavar="CHANNEL",
+        help="A channel that is not used, such as p3: its innovations say how well it is estimated. Repeatable.",
+    ),
+]
+MEMBERS = Annotated[int, typer.Option(min=4, max=400, help="Twins in the ensemble.")]
+EVERY = Annotated[int, typer.Option(min=1, max=1000, help="Scans between two corrections; each uses all of them.")]
+
+
+def follow(
+    rig: Annotated[str, typer.Argument(help="Name of a rig that runs, or a recording, .mcap.", metavar="RIG|FILE")],
+    changes: CHANGES = None,
+    without: WITHOUT = None,
+    members: MEMBERS = 24,
+    every: EVERY = 5,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Of a recording. [default: FILE-followed.mcap]", show_default=False),
+    ] = None,
+    mode: MODE = ProcessMode.REALTIME,
+    connect: CONNECT = DEFAULT_ENDPOINT,
+    zenoh_config: CONFIG = None,
+    patience: PATIENCE = 10.0,
+    quiet: QUIET = False,
+    as_json: AS_JSON = False,
+) -> None:
+    """Estimate what no sensor reads: twins beside a rig or a recording, corrected by its measurements.
+
+    Beside a rig the estimates, their standard deviations and the innovations go out on its keys `estimate` and
+    `innovation`, until its plant ends; a recorder keeps them. Of a recording FILE-followed.mcap has them beside all
+    that was in it. --set changes the scenario that the twins know of.
+    """
+    from twin.estimation.settings import Settings
+
+    settings = Settings(members=members, every=every, without=tuple(without or ()))
+    if is_file(rig):
+        _follow_file(Path(rig), output, changes or [], settings, as_json)
+        return
+    from bridge.processes.follower import run_follower
+    from bridge.wire.link import Link
+
+    done = run_follower(rig, Link(None, connect, zenoh_config, patience), Mode(mode), changes or [], settings, quiet)
+    if as_json:
+        print_json(done._asdict() | {"latest": None if done.latest is None else done.latest._asdict()})
+        return
+    from bridge.cli.follow_printing import print_report
+
+    print_report(done)
+
+
+def is_file(name: str) -> bool:
+    """Is a recording meant, and not a rig?"""
+    return name.endswith(".mcap") or Path(name).is_file()
+
+
+def _follow_file(file: Path, output: Path | None, changes: list[str], settings: "Settings", as_json: bool) -> None:
+    there(file)
+    from bridge.cli.follow_printing import print_followed
+    from bridge.replay.followed import follow_recording
+
+    done = follow_recording(file, output or file.with_stem(f"{file.stem}-followed"), changes, settings)
+    if as_json:
+        print_json(done.plain())
+    else:
+        print_followed(done)
+
+
+def whatif(
+    rig: Annotated[str, typer.Argument(help="Name of a rig that runs, or a recording, .mcap.", metavar="RIG|FILE")],
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Of the controller, or the reference: controller.gain=2."),
+    ] = None,
+    horizon: Annotated[str, typer.Option(help="How far to look, such as '5 s'.")] = "5 s",
+    expect: Annotated[
+        list[str] | None,
+        typer.Option("--expect", metavar="BAND", help="What must hold: 'limit cycle: none', 'peak p1 <= 90 bar'."),
+    ] = None,
+    risk: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of the futures that may break a band.")] = 0.05,
+    at: Annotated[str | None, typer.Option(help="Of a recording: from when, such as '3 s'. [default: its end]")] = None,
+    listen_for: Annotated[str, typer.Option("--listen-for", help="Of a rig: how long to follow it before.")] = "2 s",
+    members: MEMBERS = 24,
+    connect: CONNECT = DEFAULT_ENDPOINT,
+    zenoh_config: CONFIG = None,
+    patience: PATIENCE = 10.0,
+    as_json: AS_JSON = False,
+) -> None:
+    """Say what would happen if a number of the controller were changed now, from the present estimate.
+
+    Each twin of the ensemble runs on with a controller of its own, faster than real time; their spread is what is not
+    known of the rig. Exit code 1: a band is broken in more of the futures than --risk allows.
+    """
+    from bridge.cli.follow_printing import print_verdict
+    from bridge.cli.options import nanoseconds
+    from bridge.cli.tuning import pair
+    from bridge.replay.whatif import from_file, what_if
+    from twin.estimation.settings import Settings
+
+    ahead, settings, wanted = nanoseconds("horizon", horizon), Settings(members=members), dict(map(pair, changes or []))
+    if is_file(rig):
+        there(Path(rig))
+        heard = from_file(Path(rig), None if at is None else nanoseconds("at", at), settings)
+    else:
+        from bridge.processes.listening import listen
+        from bridge.wire.link import Link
+
+        seconds = nanoseconds("listen-for", listen_for) / 1e9
+        heard = listen(rig, Link(None, connect, zenoh_config, patience), seconds, settings)
+    verdict = what_if(heard, wanted, ahead, expect or [], risk)
+    if as_json:
+        print_json(verdict.plain())
+    else:
+        print_verdict(verdict)
+    if not verdict.passed:
+        raise typer.Exit(1)

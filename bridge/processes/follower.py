@@ -1,0 +1,164 @@
+"""A twin beside a rig as a process: commands, measurements and events off the bus, estimates on the bus.
+
+Zenoh's thread only keeps what comes; the filter works in ours, at its own pace: the loop never waits for it.
+"""
+
+import os
+import queue
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+from bridge.errors import RunError
+from bridge.loop.follower import FollowerSide, warm_up
+from bridge.machine.narrator import Narrator
+from bridge.machine.process import Stop
+from bridge.processes.contact import Contact
+from bridge.scenario import changed
+from bridge.scenario.untrusted import parsed_json
+from bridge.wire.bus import Bus
+from bridge.wire.codec import decode, ready
+from bridge.wire.limits import WAITING_RECORDS, Excess
+from bridge.wire.link import Link
+from bridge.wire.messages import ESTIMATE, GOING, INNOVATION, TOPICS, Mode, Outgoing, Phase
+from bridge.wire.status import PUBLISHED, TURNED, PlantStatus, counted, numbers_of
+from controller.grid import NS
+from twin.estimation.filter import Estimate
+from twin.estimation.quantities import Standing
+from twin.estimation.settings import Settings
+
+ROLE = "follower"
+HEARD = ("command", "measurement", "event", "status")
+STATUS_PERIOD = 0.5  # [s] of wall time
+FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
+YIELDING = 5  # niceness: the loop's own processes come first
+
+
+class FollowerReport(NamedTuple):
+    """How a follower has done."""
+
+    latest: Estimate | None
+    estimates: int
+    restarts: int
+    processor_share: float  # of one core
+    longest_lag: float  # [s] of simulated time that it was behind the newest scan
+
+
+class FollowerProcess:
+    """One follower of one rig, for as long as its plant runs."""
+
+    def __init__(self, bus: Bus, side: FollowerSide, stop: Callable[[], bool], quiet: bool = False) -> None:
+        self.bus, self.side, self.stop = bus, side, stop
+        self._narrator = Narrator(quiet)
+        self._inbox: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
+        self._newest, self._longest_lag = -1, 0
+        self._standing = Standing.WAITING
+        self._status_due = 0.0
+        self._last_tick: int | None = None  # of the plant, once it has said so
+        self._tick, self._deadline = -1, float("inf")
+        self._began = time.process_time(), time.monotonic()
+        ready(*HEARD, ESTIMATE, INNOVATION)
+        for topic in HEARD:
+            bus.subscribe(topic, lambda sample, topic=topic: self._keep(topic, sample))
+        bus.watch()
+        self._contact = Contact(bus)
+        bus.announce()
+
+    def run(self) -> FollowerReport:
+        """Follow until the plant has ended. Raises RunError when it is lost."""
+        self._narrator.say(f"follower of rig {self.bus.rig_name!r}, {self.bus.place}: {self.side.scenario.name!r}")
+        try:
+            while not self.stop() and not self._finished():
+                with suppress(queue.Empty):
+                    self._take(*self._inbox.get(timeout=0.02))
+                self._report_when_due()
+        finally:
+            self._publish(self.side.finish())
+            counts = counted(PUBLISHED, self.side.published) | counted(TURNED, self.bus.turned.counts())
+            self.bus.publish_status(self.side.run_id, max(0, self.side.now), Phase.ENDED, counts, final=True)
+            self._narrator.close()
+        return self._words()
+
+    def _keep(self, topic: str, sample: Any) -> None:
+        """In Zenoh's thread."""
+        if self._inbox.qsize() < WAITING_RECORDS:
+            self._inbox.put((topic, sample.payload.to_bytes()))
+        else:
+            self.bus.turned.add(topic, Excess.WAITING)
+
+    def _take(self, topic: str, payload: bytes) -> None:
+        try:
+            message = decode(payload, topic)
+        except ValueError:
+            self.bus.turned.add(topic, Excess.UNREADABLE)  # somebody else's noise on our keys
+            return
+        if topic == "status":
+            self._follow(message)
+        elif topic == "event":
+            self.side.heed(message)
+        elif topic == "command":
+            self._publish(self.side.take(message))
+        else:
+            self._tick, self._newest = message.tick, message.stamp
+            self._publish(self.side.hear(message))
+            self._longest_lag = max(self._longest_lag, self._newest - self.side.now)
+
+    def _publish(self, messages: list[Outgoing]) -> None:
+        for message in messages:
+            self.bus.publish(message)
+        if self.side.latest is not None and self.side.latest.standing != self._standing:
+            self._standing = self.side.latest.standing
+            self._narrator.say(f"t = {self.side.latest.stamp:g} s: {self._standing.name.lower()}")
+
+    def _follow(self, status: Any) -> None:
+        if status.role == "plant" and status.phase not in GOING:
+            self._last_tick = PlantStatus.from_plain(numbers_of(status)).tick
+            self._deadline = time.monotonic() + FAREWELL
+
+    def _finished(self) -> bool:
+        if self._last_tick is not None:
+            return (self._tick >= self._last_tick and self._inbox.empty()) or time.monotonic() > self._deadline
+        if not self._contact.lost():
+            return False
+        if words := self._contact.words(f"t = {max(0, self._newest) / NS:g} s"):
+            raise RunError(words)
+        return True
+
+    def _report_when_due(self) -> None:
+        if time.monotonic() < self._status_due:
+            return
+        self._status_due = time.monotonic() + STATUS_PERIOD
+        lag = max(0, self._newest - self.side.now) / NS
+        own = {"standing": float(self._standing), "restarts": float(max(0, self.side.restarts)), "lag": lag}
+        own["processor_share"] = self._share()
+        self.bus.publish_status(self.side.run_id, max(0, self.side.now), Phase.RUNNING, own)
+
+    def _share(self) -> float:
+        worked, took = time.process_time() - self._began[0], time.monotonic() - self._began[1]
+        return worked / took if took > 0.0 else 0.0
+
+    def _words(self) -> FollowerReport:
+        lag = self._longest_lag / NS
+        estimates = self.side.published[ESTIMATE]
+        return FollowerReport(self.side.latest, estimates, max(0, self.side.restarts), self._share(), lag)
+
+
+def run_follower(
+    rig: str, link: Link, mode: Mode, changes: list[str], settings: Settings, quiet: bool = False
+) -> FollowerReport:
+    """Follow a rig until its plant ends. Raises RunError, LinkError or UsageError with one line for people."""
+    assert TOPICS[ESTIMATE].publisher == ROLE
+    stop = Stop()
+    os.nice(YIELDING)
+    with Bus(link, rig, ROLE, blocking=mode == Mode.LOCKSTEP) as bus:
+        told = bus.ask("scenario", link.patience, stop.listen())
+        if told is None:
+            raise RunError(f"no plant of rig {rig!r} answers: start one first, or name its address with --connect")
+        try:
+            scenario = changed(parsed_json(told)["scenario"], changes, f"the scenario of rig {rig!r}")
+        except (KeyError, TypeError, ValueError) as error:
+            raise RunError(f"the plant of rig {rig!r} answers with no scenario: {error}") from None
+        warm_up(scenario, settings)
+        side = FollowerSide(scenario, settings)
+        return FollowerProcess(bus, side, stop.listen(), quiet).run()

@@ -1,0 +1,110 @@
+"""`hydrotwin whatif`: futures from an estimate, judged by bands."""
+
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bridge.errors import UsageError
+from bridge.loop.ahead import Question, look_ahead
+from bridge.loop.follower import FollowerSide
+from bridge.processes.listening import Heard
+from bridge.recording.columns import sine_of
+from bridge.recording.reader import read
+from bridge.scenario.bands import METRICS, parse_band
+from bridge.wire.codec import decode
+from controller.bands import WHOLE, Band, Metrics, judge
+from controller.grid import NS
+from controller.metrics import measure
+from twin.estimation.settings import Settings
+
+SHARES = {"low": 5.0, "median": 50.0, "high": 95.0}  # percentiles of the futures
+MEMORY = 1 * NS  # of measurements before now that a law may have seen
+ORDER = {"command": 0, "event": 1, "measurement": 2}
+
+
+class Kept(NamedTuple):
+    """In how many futures a band is kept."""
+
+    band: str
+    kept: int
+    futures: int
+
+
+class Verdict(NamedTuple):
+    """What would happen."""
+
+    time: float  # of the estimate [s]
+    horizon: float  # [s]
+    changes: Mapping[str, Any]
+    metrics: dict[str, dict[str, float]]  # low, median, high; of those that every future has
+    bands: list[Kept]
+    risk: float  # share of futures that may break a band
+    took: float  # [s] of wall time
+
+    @property
+    def passed(self) -> bool:
+        """Is each band kept in enough futures?"""
+        return all(kept.futures - kept.kept <= self.risk * kept.futures for kept in self.bands)
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return self._asdict() | {"bands": [kept._asdict() for kept in self.bands], "passed": self.passed}
+
+
+def from_file(path: Path, at: int | None, settings: Settings) -> Heard:
+    """The estimate of a recording at a time [ns], None for its end. Raises UsageError where there is none."""
+    recording = read(path)
+    scenario = recording.scenario()
+    side, recent = FollowerSide(scenario, settings), []
+    entries = sorted(
+        (entry for entry in recording.entries if entry.topic in ORDER and (at is None or entry.log_time <= at)),
+        key=lambda entry: (entry.log_time, ORDER[entry.topic]),
+    )
+    for entry in entries:
+        message = decode(entry.data, entry.topic)
+        if entry.topic == "command":
+            side.take(message)
+        elif entry.topic == "event":
+            side.heed(message)
+        else:
+            side.hear(message)
+            recent.append(message)
+    side.finish()
+    if side.latest is None:
+        raise UsageError(f"{path}: no measurement by then that says where the piston is")
+    return Heard(side, scenario, recent)
+
+
+def what_if(heard: Heard, changes: Mapping[str, Any], horizon: int, bands: Sequence[str], risk: float) -> Verdict:
+    """The futures under some changes, judged. Raises UsageError, ScenarioError."""
+    parsed = [_band(text) for text in bands]
+    before = time.perf_counter()
+    recent = [m for m in heard.recent if m.stamp >= heard.side.now - MEMORY]
+    futures = look_ahead(heard.side, heard.scenario, recent, Question(changes, horizon))
+    with np.errstate(invalid="ignore"):
+        found = [measure(signals, frequency=sine_of(heard.scenario), moved=True) for signals in futures]
+    kept = [
+        Kept(text, sum(judge(metrics, [band])[0].passed for metrics in found), len(found))
+        for text, band in zip(bands, parsed, strict=True)
+    ]
+    took = time.perf_counter() - before
+    return Verdict(heard.side.now / NS, horizon / NS, dict(changes), _spread(found), kept, risk, took)
+
+
+def _band(text: str) -> Band:
+    band = parse_band(text)
+    if not isinstance(band, Band) or (band.begin, band.end) != WHOLE:
+        raise UsageError(f"--expect {text!r}: a band of a metric over the whole horizon, such as 'overshoot <= 5 %'")
+    return band
+
+
+def _spread(found: list[Metrics]) -> dict[str, dict[str, float]]:
+    spread = {}
+    for name in METRICS:
+        values = np.array([getattr(metrics, name) for metrics in found])
+        if np.isfinite(values).all():
+            spread[name] = {word: float(np.percentile(values, share)) for word, share in SHARES.items()}
+    return spread

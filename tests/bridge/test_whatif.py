@@ -1,0 +1,60 @@
+"""Looking ahead from an estimate: what comes is among the futures, a change is told apart, nothing else changes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bridge.errors import ScenarioError, UsageError
+from bridge.loop.ahead import Question, look_ahead
+from bridge.recording.reader import Recording
+from bridge.recording.writer import save
+from bridge.replay.whatif import from_file, what_if
+from bridge.runs.in_process import run_in_memory
+from bridge.scenario import load
+from twin.estimation.settings import Settings
+
+NOW, HORIZON = 700_000_000, 300_000_000  # [ns]
+SETTINGS = Settings(members=20)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Recording]:
+    """A run, and its file."""
+    rec = run_in_memory(load("sine", ["duration=1.1", "loop.delay=5 ms"]))
+    return save(rec, tmp_path_factory.mktemp("whatif") / "a.mcap", "rig"), rec
+
+
+def test_what_comes_is_among_the_futures(recorded: tuple[Path, Recording]):
+    """The position that the run went on to is within their spread and a quarter of a millimetre."""
+    path, rec = recorded
+    heard = from_file(path, NOW, SETTINGS)
+    before = heard.side.filter.members.states.copy() if heard.side.filter.members else None
+    futures = look_ahead(heard.side, heard.scenario, heard.recent, Question({}, HORIZON))
+    state = rec.columns("state")
+    true = state["position"][np.searchsorted(state["stamp"], np.round(futures[0].time * 1e9))]
+    positions = np.array([signals.position for signals in futures])
+    slack = 0.25e-3
+    assert (true >= positions.min(axis=0) - slack).all()
+    assert (true <= positions.max(axis=0) + slack).all()
+    assert heard.side.filter.members is not None
+    assert (heard.side.filter.members.states == before).all()
+
+
+def test_a_dangerous_gain_is_told_from_a_good_one(recorded: tuple[Path, Recording]):
+    """Forty times the gain makes the valve go from end to end at each sample."""
+    band = ["valve travel <= 4"]
+    verdicts = [
+        what_if(from_file(recorded[0], NOW, SETTINGS), changes, HORIZON, band, 0.05)
+        for changes in ({}, {"controller.gain": "40 V/%"})
+    ]
+    assert [verdict.passed for verdict in verdicts] == [True, False]
+    assert verdicts[1].metrics["valve_travel"]["median"] > 2.0 * verdicts[0].metrics["valve_travel"]["high"]
+
+
+def test_only_the_controller_can_be_tried(recorded: tuple[Path, Recording]):
+    heard = from_file(recorded[0], 300_000_000, SETTINGS)
+    with pytest.raises(ScenarioError, match="only numbers of the controller"):
+        what_if(heard, {"rig.load.force": "100 N"}, HORIZON, [], 0.05)
+    with pytest.raises(UsageError, match="whole horizon"):
+        what_if(heard, {}, HORIZON, ["mean p1 from 1 s to 2 s <= 3 bar"], 0.05)

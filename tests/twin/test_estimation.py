@@ -1,0 +1,163 @@
+"""The filter's algebra by closed forms, and members that a twin could have come to."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests.support.plant import circuit, cylinder_of, load_of
+from twin.circuit.block import compiled
+from twin.circuit.equilibrium import equilibrium
+from twin.circuit.state import flatten, unflatten
+from twin.cylinder import Chambers
+from twin.estimation.admissible import admit
+from twin.estimation.consistency import BAD, GOOD, STUCK, Watch
+from twin.estimation.draws import Draws, exact
+from twin.estimation.filter import Filter
+from twin.estimation.quantities import UNKNOWNS, Use
+from twin.estimation.settings import Settings
+from twin.estimation.transform import BLOCK, apply, combine
+from twin.estimation.unknowns import Prior, Unknowns, priors
+from twin.sensors import Card
+from twin.topology import CHANNELS
+
+CIRCUIT = circuit()
+MEMBERS, STATES, READINGS = 9, 150, 5
+
+
+def ensemble(seed: int) -> np.ndarray:
+    """Members of correlated states; one of them is the same in all."""
+    rng = np.random.default_rng(seed)
+    states = rng.normal(size=(MEMBERS, 6)) @ rng.normal(size=(6, STATES)) + rng.normal(size=STATES)
+    states[:, 7] = 0.1
+    return states
+
+
+def analysed(states: np.ndarray, h: np.ndarray, d: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The members after an analysis, and the whitened innovations."""
+    after, change, missed = states.copy(), np.zeros((MEMBERS, MEMBERS)), np.zeros(len(d))
+    y = np.array([states @ row for row in h])
+    combine(y, d, r, np.zeros(MEMBERS), np.zeros((MEMBERS, MEMBERS)), change, missed)
+    apply(after, change, 1.0, np.zeros((MEMBERS + 1, BLOCK)))
+    return after, missed
+
+
+def test_an_analysis_is_kalmans():
+    """Mean and covariance of the members are K(d - Hx) and (1 - KH)P of their own P, whatever their number."""
+    rng, states = np.random.default_rng(3), ensemble(2)
+    h, d, r = rng.normal(size=(READINGS, STATES)), rng.normal(size=READINGS), rng.uniform(0.5, 2.0, READINGS)
+    mean, p = states.mean(axis=0), np.cov(states.T)
+    s = h @ p @ h.T + np.diag(r)
+    gain = p @ h.T @ np.linalg.inv(s)
+    after, missed = analysed(states, h, d, r)
+    assert_allclose(after.mean(axis=0), mean + gain @ (d - h @ mean), atol=1e-10)
+    assert_allclose(np.cov(after.T), p - gain @ h @ p, atol=1e-10)
+    away = d - h @ mean
+    assert missed @ missed == pytest.approx(away @ np.linalg.solve(s, away), rel=1e-9)  # whitened: one and the same NIS
+
+
+def test_what_is_not_read_changes_nothing():
+    states = ensemble(4)
+    h = np.random.default_rng(5).normal(size=(2, STATES))
+    one, _ = analysed(states, h[:1], np.array([0.3]), np.array([1.0]))
+    both, missed = analysed(states, h, np.array([0.3, math.nan]), np.array([1.0, math.nan]))
+    assert (one == both).all()
+    assert math.isnan(missed[1])
+
+
+def test_what_all_members_share_stays_to_the_bit():
+    states = ensemble(6)
+    after, _ = analysed(states, np.ones((1, STATES)), np.array([2.0]), np.array([0.1]))
+    assert (after[:, 7] == states[:, 7]).all()
+
+
+def test_anomalies_are_stretched_about_the_mean():
+    states = ensemble(7)
+    after = states.copy()
+    apply(after, np.zeros((MEMBERS, MEMBERS)), 1.1, np.zeros((MEMBERS + 1, BLOCK)))
+    assert_allclose(after.mean(axis=0), states.mean(axis=0), atol=1e-12)
+    assert_allclose(after.std(axis=0), 1.1 * states.std(axis=0), atol=1e-12)
+
+
+def test_deviates_are_exact_and_independent_of_what_is_there():
+    there, drawn = Draws(1, 4, 20).at(0), Draws(1, 5, 20).at(1)
+    before = there.copy()
+    exact(there, drawn)
+    assert_allclose(drawn.mean(axis=1), 0.0, atol=1e-12)
+    assert_allclose(np.cov(drawn), np.eye(5), atol=1e-12)
+    assert_allclose(drawn @ (before - before.mean(axis=1, keepdims=True)).T, 0.0, atol=1e-10)
+
+
+def test_members_have_their_own_numbers_and_the_rest_of_the_rig():
+    names = ("leakage", "load_force")
+    unknowns = Unknowns(CIRCUIT.parts, names, 2)
+    unknowns.write(np.array([[0.0, 0.0], [math.log(2.0), 50.0]]))
+    leak, force, mass = CIRCUIT.parts.cylinder.leakage, load_of(CIRCUIT).force, load_of(CIRCUIT).mass
+    assert unknowns.records["cylinder"]["leakage"].tolist() == pytest.approx([leak, 2.0 * leak], rel=1e-15)
+    assert unknowns.records["load"]["force"].tolist() == [force, force + 50.0]
+    assert unknowns.records["load"]["mass"].tolist() == [mass, mass]
+
+
+def test_what_is_certain_is_no_unknown():
+    found = priors(CIRCUIT.parts, {"leakage": Prior(0.0, 0.0), "offset_p2": Prior(1e5, 0.0)})
+    assert "leakage" not in found
+    assert "offset_p2" in found
+    assert set(found) <= set(UNKNOWNS)
+
+
+def test_a_combination_is_made_a_state_that_a_twin_can_have():
+    """The oil of a chamber is that of its pressure at the new place; bounds hold; the same again changes nothing."""
+    state = flatten(equilibrium(CIRCUIT, 0.1))
+    state[1] = 0.1003  # the position
+    state[10] = -1e-6  # the pilot's lift
+    ends = unflatten(state).ends
+    members = np.repeat(state[None, :], 2, axis=0)
+    unknowns, plant = Unknowns(CIRCUIT.parts, (), 2), compiled(CIRCUIT)
+    admit(unknowns.records, plant.whole, plant.numbers, members)
+    once = members.copy()
+    admit(unknowns.records, plant.whole, plant.numbers, members)
+    assert (members == once).all()
+    found, cylinder = unflatten(members[0]), cylinder_of(CIRCUIT)
+    p_lower = float(ends.pressure[5])
+    volume = cylinder.dead_lower + cylinder.area_lower * 0.1003
+    assert found.core.chambers.lower == pytest.approx(volume * (1.0 + p_lower / cylinder.bulk_modulus), rel=1e-14)
+    assert isinstance(found.core.chambers, Chambers)
+    assert found.core.relief.state.pilot_lift == 0.0
+
+
+def test_a_channel_is_left_out_and_taken_again():
+    watch = Watch(0.5, (0.0, 10.0))
+    assert watch.look(1.0, 1.0, alone=True) == 0.0
+    assert watch.look(1.1, 6.0, alone=True) == pytest.approx(3.0)  # 6 deviations count as three: (1 + 3) times variance
+    assert math.isnan(watch.look(4.9, 50.0, alone=True))
+    assert watch.use is Use.SPIKE
+    for k in range(1, BAD):
+        watch.look(5.0 + 0.1 * k, 50.0, alone=True)
+    assert watch.use is Use.OFF
+    for k in range(GOOD):
+        assert watch.use is Use.OFF
+        watch.look(1.0 + 0.01 * k, 0.5, alone=True)
+    assert watch.use is Use.USED
+
+
+def test_where_many_channels_are_far_away_the_model_is_wrong_and_all_are_used():
+    watch = Watch(0.5, (0.0, 10.0))
+    assert not math.isnan(watch.look(5.0, 50.0, alone=False))
+    assert watch.use is Use.USED
+
+
+def test_a_channel_that_repeats_itself_is_stuck_except_at_the_end_of_its_range():
+    inside, at_end = Watch(0.5, (0.0, 10.0)), Watch(0.5, (0.0, 10.0))
+    for _ in range(STUCK + 1):
+        inside.look(3.0, 0.1, alone=True)
+        at_end.look(0.0, 0.1, alone=True)
+    assert inside.use is Use.STUCK
+    assert at_end.use is Use.USED
+
+
+def test_too_few_members_are_refused():
+    n = len(CHANNELS)
+    card = Card(12.0, np.zeros(n), np.ones(n), np.ones(n, bool), 0.5, 5e-6, True, True)
+    with pytest.raises(ValueError, match="members"):
+        Filter(CIRCUIT, card, Settings(members=6), 1)

@@ -1,0 +1,80 @@
+"""Is a sensor to be believed, and are the innovations what a right model makes: white and of variance 1?
+
+A reading that is more than `SUSPECT` deviations away counts less, by as much as makes it that far. Where one channel is
+farther away than `GATE` and no other is, the first such reading is left out, and so is a channel that stays so, until
+it has been back for a while; where several are, the model is wrong. A channel of a card with noise that repeats one
+value for `STUCK` scans is stuck; at the end of its range it may. All numbers are assumed.
+"""
+
+import math
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.estimation.quantities import Use
+
+SUSPECT = 3.0
+GATE = 8.0
+BAD, GOOD = 20, 50  # readings in a row after which a channel is left out, and taken again
+STUCK = 150  # readings: with a noise of a third of a step or more, by chance one time in 1e9
+LEAST_NOISE = 0.3  # [LSB]
+WINDOW = 1000  # readings of a channel that are judged together
+FEWEST = 50
+
+
+class Verdict(NamedTuple):
+    """Of a channel, over the window."""
+
+    nis: float  # mean square of the whitened innovations, 1 as long as the model is right; NaN: too few
+    whiteness: float  # their correlation from one to the next, 0 as long as it is right; NaN: too few
+    readings: int
+
+
+class Watch:
+    """One channel."""
+
+    def __init__(self, noise: float, ends: tuple[float, float]) -> None:
+        self.use = Use.MISSING
+        self._noisy = noise >= LEAST_NOISE
+        self._ends = ends
+        self._last, self._same, self._bad, self._good = math.nan, 0, 0, 0
+        self._missed: deque[float] = deque(maxlen=WINDOW)
+
+    def look(self, reading: float, away: float, alone: bool) -> float:
+        """How much of a reading's variance counts more than stated; NaN where it is left out.
+
+        away: the innovation over its deviation; alone: no other channel is as far away.
+        """
+        self._same = self._same + 1 if reading == self._last else 0
+        self._last = reading
+        if math.isnan(reading):
+            self.use = Use.MISSING
+            return math.nan
+        inside = self._ends[0] < reading < self._ends[1]
+        stuck = self._noisy and self._same >= STUCK and inside
+        far = alone and abs(away) > GATE
+        self._bad, self._good = (self._bad + 1, 0) if far else (0, self._good + 1)
+        was = self.use
+        if stuck:
+            self.use = Use.STUCK
+        elif self._bad >= BAD or (was in (Use.OFF, Use.STUCK) and self._good < GOOD):
+            self.use = Use.OFF
+        else:
+            self.use = Use.SPIKE if self._bad == 1 else Use.USED  # one alone is a spike; more may be the model's fault
+        if self.use != Use.USED:
+            return math.nan
+        return max(0.0, (away / SUSPECT) ** 2 - 1.0)
+
+    def note(self, missed: NDArray[np.float64]) -> None:
+        """Take whitened innovations of readings that were used."""
+        self._missed.extend(missed[~np.isnan(missed)].tolist())
+
+    def verdict(self) -> Verdict:
+        """Over the last second or so."""
+        found = np.array(self._missed)
+        if len(found) < FEWEST:
+            return Verdict(math.nan, math.nan, len(found))
+        square = float((found * found).mean())
+        return Verdict(square, float((found[1:] * found[:-1]).mean()) / square, len(found))

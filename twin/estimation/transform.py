@@ -1,0 +1,99 @@
+"""The analysis of an ensemble: a square-root filter that takes one reading after the other, without drawing numbers.
+
+Of N members x_m with mean x and anomalies A, a reading d of variance r that they predict as y_m changes them to
+
+    x + k (d - y) + (A - a k a_y),    k = A a_y'/((N - 1) s),  s = a_y a_y'/(N - 1) + r,  a = 1/(1 + sqrt(r/s))
+
+with a_y the anomalies of y: J. L. Anderson, Monthly Weather Review 129 (2001); Whitaker and Hamill, the same 130
+(2002); for readings whose errors are independent it is the transform of Bishop et al. (2001). All of it is a linear
+combination of the members, x_m + sum_k A_k D[k, m], so readings of several instants make one D (asynchronous: Sakov et
+al., Tellus 62A, 2010), and whatever the members hold, waves in their lines included, comes with it.
+"""
+
+import math
+
+from twin.kernel import kernel
+
+BLOCK = 128  # numbers of a state at a time: they stay in the first cache
+
+
+@kernel
+def combine(y, d, r, weight, turn, out, missed) -> None:
+    """Fill `out`, D, of the predictions y of readings d, of variances r, a row for each; NaN: not read.
+
+    y is changed to what the members predict afterwards. `missed` is filled with the innovation of each reading over its
+    deviation, those before it known: white and of variance 1 as long as the model is right. weight, turn: room for N
+    and N x N numbers.
+    """
+    n = y.shape[1]
+    for k in range(n):
+        weight[k] = 0.0
+        for m in range(n):
+            turn[k, m] = 1.0 if k == m else 0.0
+    for j in range(len(d)):
+        mean, spread = _moments(y[j])
+        missed[j] = math.nan
+        if math.isnan(d[j]):
+            continue
+        s = spread + r[j]
+        alpha = 1.0 / (1.0 + math.sqrt(r[j] / s))
+        gain = 1.0 / ((n - 1) * s)
+        away = d[j] - mean
+        missed[j] = away / math.sqrt(s)
+        for k in range(n):  # V a_y', with V = turn
+            along = 0.0
+            for m in range(n):
+                along += turn[k, m] * (y[j, m] - mean)
+            weight[k] += gain * along * away
+            for m in range(n):
+                turn[k, m] -= alpha * gain * along * (y[j, m] - mean)
+        for other in range(len(d) - 1, j - 1, -1):  # itself last: the others need it
+            along = 0.0
+            for m in range(n):
+                along += y[other, m] * (y[j, m] - mean)
+            for m in range(n):
+                y[other, m] += gain * along * (away - alpha * (y[j, m] - mean))
+    for k in range(n):
+        for m in range(n):
+            out[k, m] = weight[k] + turn[k, m] - (1.0 if k == m else 0.0)
+
+
+@kernel
+def _moments(row) -> tuple[float, float]:
+    """Mean and variance, around the first so that equal numbers have none."""
+    n, total, squares = len(row), 0.0, 0.0
+    for m in range(n):
+        total += row[m] - row[0]
+    for m in range(n):
+        away = row[m] - row[0] - total / n
+        squares += away * away
+    return row[0] + total / n, squares / (n - 1)
+
+
+@kernel
+def apply(x, d, stretch: float, room) -> None:
+    """x_m += sum_k A_k D[k, m], in place, of anomalies A that are stretched before; room: (N + 1) x BLOCK numbers.
+
+    What all members have in common stays to the bit.
+    """
+    n, size = x.shape
+    for first in range(0, size, BLOCK):
+        width = min(BLOCK, size - first)
+        for i in range(width):
+            total = 0.0
+            for k in range(n):
+                total += x[k, first + i] - x[0, first + i]
+            room[n, i] = total / n
+        base, most = room[n], 0.0
+        for k in range(n):
+            for i in range(width):
+                room[k, i] = stretch * (x[k, first + i] - x[0, first + i] - base[i])
+                most = max(most, abs(room[k, i]))
+        if most == 0.0:  # rings that no wave has reached, slots of what is not fitted
+            continue
+        more = (stretch - 1.0) / stretch
+        for m in range(n):
+            for k in range(n):
+                share = d[k, m] + (more if k == m else 0.0)
+                for i in range(width):
+                    x[m, first + i] += share * room[k, i]
