@@ -11,6 +11,7 @@ from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 
 if TYPE_CHECKING:
+    from twin.estimation.health import Rules
     from twin.estimation.settings import Settings
 
 WITHOUT = Annotated[
@@ -23,6 +24,13 @@ WITHOUT = Annotated[
 ]
 MEMBERS = Annotated[int, typer.Option(min=4, max=400, help="Twins in the ensemble.")]
 EVERY = Annotated[int, typer.Option(min=1, max=1000, help="Scans between two corrections; each uses all of them.")]
+HEALTH = Annotated[bool, typer.Option("--health", help="Say which fault the rig has, if any; see docs/health.md.")]
+ALARMS = Annotated[
+    float, typer.Option("--alarms", min=1e-9, max=1000.0, help="With --health: false alarms per hour, at most.")
+]
+COMMISSIONING = Annotated[
+    str, typer.Option(help="With --health: how long the rig is watched first, as one that is in order.")
+]
 
 
 def follow(
@@ -31,6 +39,9 @@ def follow(
     without: WITHOUT = None,
     members: MEMBERS = 24,
     every: EVERY = 5,
+    health: HEALTH = False,
+    alarms: ALARMS = 0.01,
+    commissioning: COMMISSIONING = "30 s",
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="Of a recording. [default: FILE-followed.mcap]", show_default=False),
@@ -46,24 +57,37 @@ def follow(
 
     Beside a rig the estimates, their standard deviations and the innovations go out on its keys `estimate` and
     `innovation`, until its plant ends; a recorder keeps them. Of a recording FILE-followed.mcap has them beside all
-    that was in it. --set changes the scenario that the twins know of.
+    that was in it. --set changes the scenario that the twins know of. --health adds the key `health`.
     """
     from twin.estimation.settings import Settings
 
     settings = Settings(members=members, every=every, without=tuple(without or ()))
+    rules = _rules(alarms, commissioning) if health else None
     if is_file(rig):
-        _follow_file(Path(rig), output, changes or [], settings, as_json)
+        _follow_file(Path(rig), output, changes or [], settings, rules, as_json)
         return
     from bridge.processes.follower import run_follower
     from bridge.wire.link import Link
 
-    done = run_follower(rig, Link(None, connect, zenoh_config, patience), Mode(mode), changes or [], settings, quiet)
+    link = Link(None, connect, zenoh_config, patience)
+    done = run_follower(rig, link, Mode(mode), changes or [], settings, rules, quiet)
     if as_json:
-        print_json(done._asdict() | {"latest": None if done.latest is None else done.latest._asdict()})
+        from bridge.loop.health import plain
+
+        latest = None if done.latest is None else done.latest._asdict()
+        print_json(done._asdict() | {"latest": latest, "health": None if done.health is None else plain(done.health)})
         return
     from bridge.cli.follow_printing import print_report
 
     print_report(done)
+
+
+def _rules(alarms: float, commissioning: str) -> "Rules":
+    from bridge.cli.options import nanoseconds
+    from twin.estimation.health import Rules
+
+    rules = Rules(alarms_per_hour=alarms)
+    return rules._replace(commissioning=round(nanoseconds("commissioning", commissioning) / 1e9 / rules.look))
 
 
 def is_file(name: str) -> bool:
@@ -71,12 +95,14 @@ def is_file(name: str) -> bool:
     return name.endswith(".mcap") or Path(name).is_file()
 
 
-def _follow_file(file: Path, output: Path | None, changes: list[str], settings: "Settings", as_json: bool) -> None:
+def _follow_file(
+    file: Path, output: Path | None, changes: list[str], settings: "Settings", rules: "Rules | None", as_json: bool
+) -> None:
     there(file)
     from bridge.cli.follow_printing import print_followed
     from bridge.replay.followed import follow_recording
 
-    done = follow_recording(file, output or file.with_stem(f"{file.stem}-followed"), changes, settings)
+    done = follow_recording(file, output or file.with_stem(f"{file.stem}-followed"), changes, settings, rules)
     if as_json:
         print_json(done.plain())
     else:

@@ -1,5 +1,7 @@
 """What `hydrotwin follow` prints of an estimate."""
 
+import math
+
 from bridge.cli.tables import print_table
 from bridge.processes.follower import FollowerReport
 from bridge.replay.followed import Followed
@@ -7,6 +9,8 @@ from bridge.replay.whatif import Verdict
 from bridge.scenario.bands import METRICS, value_with_unit
 from bridge.scenario.units import shown
 from twin.estimation.filter import Estimate
+from twin.estimation.health import Health
+from twin.estimation.hypotheses import in_words
 from twin.estimation.quantities import ESTIMATED, LOAD, UNKNOWNS, Use
 
 SHOWN = ("position", "velocity", "spool", "p1", "p_p", "p_a", "p_lower", "p_upper", "p_b", "friction", LOAD)
@@ -15,6 +19,9 @@ SHOWN = ("position", "velocity", "spool", "p1", "p_p", "p_a", "p_lower", "p_uppe
 def print_followed(done: Followed) -> None:
     """Of a recording."""
     print_estimate(done.latest)
+    if done.health is not None:
+        print_health(done.health.latest)
+        print("\n".join(done.health.told))
     stood = ", ".join(f"{name} {time:.3g} s" for name, time in done.seconds.items() if time)
     print(f"{done.output}: {done.estimates} estimates; {stood}; begun anew {done.restarts} times")
 
@@ -25,6 +32,8 @@ def print_report(done: FollowerReport) -> None:
         print("hydrotwin: no measurement came that says where the piston is: nothing was estimated")
         return
     print_estimate(done.latest)
+    if done.health is not None:
+        print_health(done.health)
     standing = done.latest.standing.name.lower()
     print(
         f"{done.estimates} estimates, {standing} at the end; begun anew {done.restarts} times; "
@@ -48,6 +57,16 @@ def print_estimate(last: Estimate) -> None:
         for name, i in last.innovations.items()
     ]
     print_table(("channel", "use", "mean square of innovations", "their correlation"), channels)
+
+
+def print_health(health: Health) -> None:
+    """How far each unknown has gone from its baseline, and what is made of it."""
+    rows = [
+        (name, "not known" if math.isnan(f.deviate) else f"{f.deviate:.1f}", in_words(name, f.size, f.deviation))
+        for name, f in health.findings.items()
+    ]
+    if rows:
+        print_table(("fault", "deviate", "if it were this one alone"), rows)
 
 
 def print_verdict(verdict: Verdict) -> None:

@@ -10,16 +10,19 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from bridge.errors import UsageError
+from bridge.loop.health import HealthSide
 from bridge.loop.inlet import Inlet
 from bridge.scenario import Scenario, ScenarioError, check
 from bridge.scenario.circuit import circuit_of
 from bridge.wire.codec import Estimate as EstimateMessage
+from bridge.wire.codec import Health as HealthMessage
 from bridge.wire.codec import Innovation as InnovationMessage
 from bridge.wire.estimates import DEVIATION, OF_UNKNOWN
-from bridge.wire.messages import ALARMING, COMING, ESTIMATE, INNOVATION, EventKind, Outgoing
+from bridge.wire.messages import ALARMING, COMING, ESTIMATE, HEALTH, INNOVATION, EventKind, Outgoing
 from controller.grid import NS, last_due
 from controller.hold import Hold
 from twin.estimation.filter import Estimate, Filter
+from twin.estimation.health import Rules
 from twin.estimation.quantities import UNKNOWNS, Standing
 from twin.estimation.settings import Settings
 from twin.sensors import card_of, put_out
@@ -43,8 +46,8 @@ class Scan(NamedTuple):
 class FollowerSide:
     """One estimate of a rig, over as many runs of its plant as come."""
 
-    def __init__(self, scenario: Scenario, settings: Settings, seed: int = 1) -> None:
-        """Raises UsageError where the settings do not fit the rig."""
+    def __init__(self, scenario: Scenario, settings: Settings, seed: int = 1, rules: Rules | None = None) -> None:
+        """rules: of a judge of its health, if there is to be one. Raises UsageError where they do not fit the rig."""
         self.scenario = followed(scenario)
         self.grid = self.scenario.loop.grid()
         self._settings, self._seed = settings, seed
@@ -54,7 +57,8 @@ class FollowerSide:
             self.filter = Filter(circuit, card_of(self.scenario.daq), settings, seed)
         except ValueError as error:
             raise UsageError(f"follow: {error}") from None
-        self.published = {ESTIMATE: 0, INNOVATION: 0}
+        self.health = None if rules is None else HealthSide(self.filter, rules)
+        self.published = {ESTIMATE: 0, INNOVATION: 0} | ({} if rules is None else {HEALTH: 0})
         self.latest: Estimate | None = None
         self.restarts = -1  # of the estimate, the first beginning not counted
         self._run_id: int | None = None
@@ -191,6 +195,8 @@ class FollowerSide:
             channels |= {f"{name}_use": float(innovation.use), f"{name}_nis": innovation.verdict.nis}
             channels |= {f"{name}_whiteness": innovation.verdict.whiteness}
         yield self._outgoing(INNOVATION, scan.stamp, InnovationMessage, head | channels)
+        if self.health is not None and (told := self.health.take(found)) is not None:
+            yield self._outgoing(HEALTH, scan.stamp, HealthMessage, head | told)
 
     def _outgoing(self, topic: str, stamp: int, kind: Any, fields: dict[str, Any]) -> Outgoing:
         sequence = self.published[topic]

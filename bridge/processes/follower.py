@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from bridge.errors import RunError
 from bridge.loop.follower import FollowerSide, warm_up
+from bridge.loop.health import watching
 from bridge.machine.narrator import Narrator
 from bridge.machine.process import Stop
 from bridge.processes.contact import Contact
@@ -21,10 +22,11 @@ from bridge.wire.bus import Bus
 from bridge.wire.codec import decode, ready
 from bridge.wire.limits import WAITING_RECORDS, Excess
 from bridge.wire.link import Link
-from bridge.wire.messages import ESTIMATE, GOING, INNOVATION, TOPICS, Mode, Outgoing, Phase
+from bridge.wire.messages import ESTIMATE, GOING, HEALTH, INNOVATION, TOPICS, Mode, Outgoing, Phase
 from bridge.wire.status import PUBLISHED, TURNED, PlantStatus, counted, numbers_of
 from controller.grid import NS
 from twin.estimation.filter import Estimate
+from twin.estimation.health import Health, Rules
 from twin.estimation.quantities import Standing
 from twin.estimation.settings import Settings
 
@@ -39,6 +41,7 @@ class FollowerReport(NamedTuple):
     """How a follower has done."""
 
     latest: Estimate | None
+    health: Health | None
     estimates: int
     restarts: int
     processor_share: float  # of one core
@@ -54,11 +57,12 @@ class FollowerProcess:
         self._inbox: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
         self._newest, self._longest_lag = -1, 0
         self._standing = Standing.WAITING
+        self._said = 0  # of the verdicts on its health
         self._status_due = 0.0
         self._last_tick: int | None = None  # of the plant, once it has said so
         self._tick, self._deadline = -1, float("inf")
         self._began = time.process_time(), time.monotonic()
-        ready(*HEARD, ESTIMATE, INNOVATION)
+        ready(*HEARD, ESTIMATE, INNOVATION, HEALTH)
         for topic in HEARD:
             bus.subscribe(topic, lambda sample, topic=topic: self._keep(topic, sample))
         bus.watch()
@@ -110,6 +114,10 @@ class FollowerProcess:
         if self.side.latest is not None and self.side.latest.standing != self._standing:
             self._standing = self.side.latest.standing
             self._narrator.say(f"t = {self.side.latest.stamp:g} s: {self._standing.name.lower()}")
+        if self.side.health is not None:
+            for words in self.side.health.told[self._said :]:
+                self._narrator.say(words)
+            self._said = len(self.side.health.told)
 
     def _follow(self, status: Any) -> None:
         if status.role == "plant" and status.phase not in GOING:
@@ -132,6 +140,8 @@ class FollowerProcess:
         lag = max(0, self._newest - self.side.now) / NS
         own = {"standing": float(self._standing), "restarts": float(max(0, self.side.restarts)), "lag": lag}
         own["processor_share"] = self._share()
+        if self.side.health is not None:
+            own["verdict"] = float(self.side.health.latest.verdict)
         self.bus.publish_status(self.side.run_id, max(0, self.side.now), Phase.RUNNING, own)
 
     def _share(self) -> float:
@@ -141,11 +151,18 @@ class FollowerProcess:
     def _words(self) -> FollowerReport:
         lag = self._longest_lag / NS
         estimates = self.side.published[ESTIMATE]
-        return FollowerReport(self.side.latest, estimates, max(0, self.side.restarts), self._share(), lag)
+        health = None if self.side.health is None else self.side.health.latest
+        return FollowerReport(self.side.latest, health, estimates, max(0, self.side.restarts), self._share(), lag)
 
 
 def run_follower(
-    rig: str, link: Link, mode: Mode, changes: list[str], settings: Settings, quiet: bool = False
+    rig: str,
+    link: Link,
+    mode: Mode,
+    changes: list[str],
+    settings: Settings,
+    rules: Rules | None = None,
+    quiet: bool = False,
 ) -> FollowerReport:
     """Follow a rig until its plant ends. Raises RunError, LinkError or UsageError with one line for people."""
     assert TOPICS[ESTIMATE].publisher == ROLE
@@ -159,6 +176,7 @@ def run_follower(
             scenario = changed(parsed_json(told)["scenario"], changes, f"the scenario of rig {rig!r}")
         except (KeyError, TypeError, ValueError) as error:
             raise RunError(f"the plant of rig {rig!r} answers with no scenario: {error}") from None
-        warm_up(scenario, settings)
-        side = FollowerSide(scenario, settings)
+        known = settings if rules is None else watching(settings)
+        warm_up(scenario, known)
+        side = FollowerSide(scenario, known, rules=rules)
         return FollowerProcess(bus, side, stop.listen(), quiet).run()

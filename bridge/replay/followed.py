@@ -7,17 +7,19 @@ from typing import Any, NamedTuple
 
 from bridge.errors import UsageError
 from bridge.loop.follower import FollowerSide
+from bridge.loop.health import HealthSide, plain, watching
 from bridge.machine.process import Stop
 from bridge.recording.reader import Entry, Recording, read
 from bridge.recording.writer import entries_of, save
 from bridge.replay.into_follower import through_follower
 from bridge.scenario import changed
-from bridge.wire.messages import ESTIMATE, INNOVATION, TOPICS
+from bridge.wire.messages import ESTIMATE, HEALTH, INNOVATION, TOPICS
 from twin.estimation.filter import Estimate
+from twin.estimation.health import Rules
 from twin.estimation.quantities import ESTIMATED, UNKNOWNS, Standing, Use
 from twin.estimation.settings import Settings
 
-MADE = (ESTIMATE, INNOVATION)
+MADE = (ESTIMATE, INNOVATION, HEALTH)
 
 
 class Followed(NamedTuple):
@@ -28,6 +30,7 @@ class Followed(NamedTuple):
     restarts: int
     seconds: dict[str, float]  # by standing
     latest: Estimate
+    health: HealthSide | None
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""
@@ -38,6 +41,7 @@ class Followed(NamedTuple):
             "restarts": self.restarts,
             "seconds": self.seconds,
             "time": last.stamp,
+            "health": None if self.health is None else plain(self.health.latest),
             "estimate": {n: _pair(ESTIMATED[n], last.values, last.deviations, n) for n in ESTIMATED},
             "unknowns": {n: _pair(UNKNOWNS[n].unit, last.unknowns, last.unknown_deviations, n) for n in last.unknowns},
             "channels": {
@@ -51,7 +55,9 @@ def _pair(unit: str, values: Mapping[str, float], deviations: Mapping[str, float
     return {"value": values[name], "deviation": deviations[name], "unit": unit}
 
 
-def follow_recording(path: Path, output: Path, changes: Sequence[str], settings: Settings) -> Followed:
+def follow_recording(
+    path: Path, output: Path, changes: Sequence[str], settings: Settings, rules: Rules | None = None
+) -> Followed:
     """Follow a recording. Raises UsageError for one that cannot be followed, or an output that would replace it."""
     if output.resolve() == path.resolve():
         raise UsageError(f"{path}: would be overwritten; name another file with --output")
@@ -59,7 +65,7 @@ def follow_recording(path: Path, output: Path, changes: Sequence[str], settings:
     if "run" not in recording.metadata:
         raise UsageError(f"{recording.path}: the recording carries no scenario to follow it with")
     scenario = changed(recording.metadata["run"]["scenario"], changes, str(path))
-    side = FollowerSide(scenario, settings)
+    side = FollowerSide(scenario, settings if rules is None else watching(settings), rules=rules)
     entries, seconds = _made(recording, side)
     if side.latest is None:
         raise UsageError(f"{path}: no measurement in it to follow")
@@ -68,7 +74,7 @@ def follow_recording(path: Path, output: Path, changes: Sequence[str], settings:
     counts = dict(Counter(entry.topic for entry in both))
     head = recording.metadata | {"followed": {"file": path.name, "changes": list(changes), "settings": repr(settings)}}
     save(recording._replace(entries=both, counts=counts, metadata=head), output, scenario.rig_name)
-    return Followed(output, side.published[ESTIMATE], max(0, side.restarts), seconds, side.latest)
+    return Followed(output, side.published[ESTIMATE], max(0, side.restarts), seconds, side.latest, side.health)
 
 
 def _made(recording: Recording, side: FollowerSide) -> tuple[list[Entry], dict[str, float]]:

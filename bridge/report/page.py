@@ -8,6 +8,7 @@ from bridge.errors import UsageError, writing
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.estimates import CAPTION as ESTIMATED
 from bridge.report.estimates import draw_estimates, has_estimates
+from bridge.report.health import caption_of, draw_health, has_health
 from bridge.report.maps import draw_maps, draw_timing
 from bridge.report.own_signals import draw_own, own_charts
 from bridge.report.sections import (
@@ -100,7 +101,12 @@ def _charts(runs: list[Run], names: list[str]) -> str:
         for i, (run, name) in enumerate(zip(runs, names, strict=True), 1)
         if has_estimates(run)
     ]
-    return "".join(drawn + own + followed)
+    judged = [
+        figure(draw_health(run), f"health{i}", f"Health{f': {name}' if len(runs) > 1 else ''}", caption_of(run))
+        for i, (run, name) in enumerate(zip(runs, names, strict=True), 1)
+        if has_health(run)
+    ]
+    return "".join(drawn + own + followed + judged)
 
 
 def _stability(runs: list[Run], names: list[str]) -> str:

@@ -10,7 +10,7 @@ DEVIATION = "_sd"  # behind the name of what it is the standard deviation of
 OF_UNKNOWN = "unknown_"  # before the name of one of UNKNOWNS
 
 
-def _codes(kind: type[IntEnum]) -> str:
+def codes(kind: type[IntEnum]) -> str:
     """What the numbers of a code mean, in a comment."""
     return ", ".join(f"{code.value} {code.name.lower()}" for code in kind)
 
@@ -32,7 +32,7 @@ def _innovations() -> dict[str, str]:
     found: dict[str, str] = {}
     for name, channel in CHANNELS.items():
         found |= _with_deviation(name, channel.unit)
-        found |= {f"{name}_use": f"{_codes(Use)}"}
+        found |= {f"{name}_use": f"{codes(Use)}"}
         found |= {f"{name}_nis": "mean square, 1 for a right model", f"{name}_whiteness": "correlation, 0 for one"}
     return found
 
@@ -44,7 +44,7 @@ uint64 run_id
 uint64 sequence
 uint64 tick       # of the measurement
 int64 stamp       # of it [ns]
-uint64 standing   # {_codes(Standing)}
+uint64 standing   # {codes(Standing)}
 """
     + floats(_estimated()),
     "Innovation": """\

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from bridge.wire.definitions import LOOP_MESSAGES, OTHER_MESSAGES, STANDARD_MESSAGES
 from bridge.wire.estimates import ESTIMATE_MESSAGES
+from bridge.wire.health import HEALTH_MESSAGES
 from twin.topology import PRESSURES
 
 PACKAGE = "hydrotwin_msgs/msg"
@@ -138,10 +139,10 @@ def _own(name: str) -> str:
 
 
 TEXTS = {
-    _own(name): text for name, text in (LOOP_MESSAGES | ESTIMATE_MESSAGES | OTHER_MESSAGES).items()
+    _own(name): text for name, text in (LOOP_MESSAGES | ESTIMATE_MESSAGES | HEALTH_MESSAGES | OTHER_MESSAGES).items()
 } | STANDARD_MESSAGES
 CHANNELS_TOPIC = "channels"
-ESTIMATE, INNOVATION = "estimate", "innovation"
+ESTIMATE, INNOVATION, HEALTH = "estimate", "innovation", "health"
 VARYING = _own("Channels")  # the type whose fields follow from the scenario
 RULE = "=" * 80  # between the types of a schema
 
@@ -180,6 +181,7 @@ TOPICS: dict[str, Topic] = {
         ),
         Topic(ESTIMATE, _own("Estimate"), "follower", "correction, 5 DAQ periods", True, False),
         Topic(INNOVATION, _own("Innovation"), "follower", "correction, 5 DAQ periods", True, False),
+        Topic(HEALTH, _own("Health"), "follower", "0.5 s, of one that judges", True, False),
         Topic("residual", _own("Residual"), "replay", "as the replay goes", False, False),
         Topic("reset", "std_msgs/msg/Empty", "anybody", "to leave the safe state", False, False, "block"),
     )
@@ -266,6 +268,7 @@ OF_SOME_RUNS = (
     "said",
     ESTIMATE,
     INNOVATION,
+    HEALTH,
 )  # topics that most runs do not have, nor their recordings
 SOURCED = ("command", "reference", "signals", "said")  # topics on which several sources may speak
 TOLD = ("event", "said")  # topics of events

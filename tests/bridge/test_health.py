@@ -1,0 +1,61 @@
+"""A judge beside a twin: one fault found and rightly named, and a rig in order that is not called ill."""
+
+import math
+
+import pytest
+
+from bridge.errors import UsageError
+from bridge.loop.follower import FollowerSide
+from bridge.loop.health import plain, watching, words_of
+from bridge.replay.into_follower import through_follower
+from bridge.runs.in_process import run_in_memory
+from bridge.scenario import load
+from bridge.wire.codec import decode, encode
+from bridge.wire.health import PLACES
+from bridge.wire.messages import HEALTH
+from twin.estimation.health import Rules
+from twin.estimation.hypotheses import Verdict
+from twin.estimation.settings import Settings
+
+MOTION = ["reference.frequency=1 Hz", "reference.amplitude=25 mm", "reference.at=0.5 s"]
+RULES = Rules(alarms_per_hour=1.0, look=0.25, window=2, commissioning=24)
+LEAK = 'fault=[{target="cylinder", kind="leak", factor=10.0, at="7.8 s"}]'
+OTHER = ["rig.load.mass=132 kg", "rig.valve.rated_flow=27 l/min", "rig.seal.limit=0.275", "rig.seal.alpha=4.2e-6"]
+
+
+def judged(*changes: str) -> tuple[FollowerSide, list]:
+    """A run, and what is said of its health by twins that know of no changes."""
+    rec = run_in_memory(load("sine", [*MOTION, *changes]))
+    side = FollowerSide(load("sine", MOTION), watching(Settings()), rules=RULES)
+    out = [message for messages in through_follower(rec, side) for message in messages]
+    return side, [message.message for message in out if message.topic == HEALTH]
+
+
+def test_a_leak_ten_times_as_large_is_found_and_named():
+    """Within 2.2 s, its size within a factor of 1.3; silent before."""
+    side, said = judged("duration=10 s", LEAK)
+    before = [m.verdict for m in said if m.stamp <= 7.8e9]
+    assert Verdict.HEALTHY in before
+    assert max(before) == Verdict.HEALTHY
+    last = said[-1]
+    assert last.verdict == Verdict.FAULT
+    assert PLACES[last.first] == "leak_across"
+    assert last.suspects == 1 << last.first
+    assert math.exp(last.leak_across_size) == pytest.approx(10.0, rel=0.3)
+    assert last.since == pytest.approx(8.5, abs=0.75)
+    assert side.health is not None
+    assert side.health.told[-1] == words_of(side.health.latest) or "leak across the piston" in side.health.told[-1]
+    assert plain(side.health.latest)["suspects"] == ["leak_across"]
+    assert decode(encode(last), HEALTH).suspects == last.suspects
+
+
+def test_a_rig_that_is_another_than_the_twins_and_in_order_is_not_called_ill():
+    """10 % in load, valve and friction, from the beginning: its baseline is what it was commissioned with."""
+    _, said = judged("duration=8.5 s", *OTHER)
+    assert [m.verdict for m in said].count(Verdict.HEALTHY) >= 4
+    assert max(m.verdict for m in said) == Verdict.HEALTHY
+
+
+def test_a_commissioning_too_short_for_three_windows_is_refused():
+    with pytest.raises(UsageError, match="three windows"):
+        FollowerSide(load("sine"), watching(Settings()), rules=RULES._replace(commissioning=4))
