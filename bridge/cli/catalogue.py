@@ -161,7 +161,7 @@ VERBS = {
     "fault": Verb(
         PROCESSES,
         "faults:fault",
-        "Inject a fault into a rig that runs; the recording keeps it with its instant, and a replay repeats it.",
+        "Inject a fault into a rig that runs, or end one; the recording keeps both, and a replay repeats them.",
     ),
     "watch": Verb(
         PROCESSES,

@@ -87,11 +87,11 @@ def done_when_interrupted(act: Callable[[], object]) -> Iterator[None]:
         try:
             for due in acts:
                 due()
-            acts.clear()
             sys.stdout.flush()
+            acts.clear()
         except OSError:
             pass
-        except RuntimeError:  # it came in the middle of a write, which has to end first
+        except RuntimeError:  # it came in the middle of a write, which has to end first; what was said is lost
             signal.signal(signal.SIGALRM, end)
             signal.setitimer(signal.ITIMER_REAL, AFTER_A_WRITE)
             return

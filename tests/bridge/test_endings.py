@@ -144,7 +144,7 @@ def test_a_check_with_a_long_delay_takes_seconds(tmp_path: Path):
     done = hydrotwin("check", "step", *long, "-o", str(tmp_path), timeout=60)
     assert "limit cycle" in done.stdout
     done = hydrotwin("run", "step", "--mode", "inprocess", *long, "--record", str(tmp_path / "a.mcap"), timeout=60)
-    assert "a unit may be missing" in done.stdout.replace("\n", " ")
+    assert "if its unit is missing" in done.stdout.replace("\n", " ")
 
 
 def commands(recording: Path, folder: Path) -> dict[str, tuple[list[str], int]]:

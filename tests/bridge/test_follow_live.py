@@ -9,7 +9,7 @@ from bridge.replay.into_follower import through_follower
 from bridge.wire.access import Role, rights
 from bridge.wire.codec import encode
 from bridge.wire.link import free_endpoint
-from bridge.wire.messages import ESTIMATE, INNOVATION
+from bridge.wire.messages import ESTIMATE, HEALTH, INNOVATION
 from tests.support.processes import hydrotwin, listening, started, wait_for
 from twin.estimation.settings import Settings
 
@@ -47,6 +47,6 @@ def test_a_follower_in_lockstep_says_what_the_recording_gives(tmp_path: Path):
 
 def test_a_follower_may_publish_its_own_topics_and_nothing_else():
     own = rights(Role.FOLLOWER)
-    assert set(own.puts) == {ESTIMATE, INNOVATION, "status"}
+    assert set(own.puts) == {ESTIMATE, INNOVATION, HEALTH, "status"}
     assert not own.queries
     assert not own.answers

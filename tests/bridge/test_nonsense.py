@@ -22,6 +22,20 @@ with done_when_interrupted(lambda: print("the summary")):
     print("waiting", flush=True)
     time.sleep(60)
 """
+IN_A_WRITE = """
+import io, os, signal, sys
+
+class Raw(io.RawIOBase):
+    def writable(self):
+        return True
+    def write(self, data):
+        written = os.write(1, data)
+        if bytes(data).startswith(b"waiting"):
+            signal.raise_signal(signal.SIGINT)
+        return written
+
+sys.stdout = io.TextIOWrapper(io.BufferedWriter(Raw()))
+"""
 
 
 @pytest.mark.parametrize(
@@ -64,3 +78,10 @@ def test_ctrl_c_while_more_is_computed_leaves_what_is_known():
         rest, _ = process.communicate(timeout=30)
     assert rest == "the summary\n"
     assert process.returncode == -signal.SIGINT
+
+
+def test_ctrl_c_in_the_middle_of_a_write_loses_nothing_and_repeats_nothing():
+    command = [sys.executable, "-c", IN_A_WRITE + WAITING]
+    done = subprocess.run(command, cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, timeout=30)
+    assert done.stdout == "waiting\nthe summary\n"
+    assert done.returncode == -signal.SIGINT
