@@ -9,7 +9,7 @@ import json
 import subprocess
 import sys
 
-BANDS = ("limit cycle amplitude <= 0.5 mm", "peak p_lower <= 120 bar", "max error <= 20 mm")
+BANDS = ("valve travel <= 20", "peak p_lower <= 120 bar", "max error <= 20 mm")
 
 
 def main(rig: str, gain: str, *link: str) -> int:

@@ -1,5 +1,6 @@
 """`hydrotwin whatif`: futures from an estimate, judged by bands."""
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -86,6 +87,8 @@ def what_if(heard: Heard, changes: Mapping[str, Any], horizon: int, bands: Seque
     futures = look_ahead(heard.side, heard.scenario, recent, Question(changes, horizon))
     with np.errstate(invalid="ignore"):
         found = [measure(signals, frequency=sine_of(heard.scenario), moved=True) for signals in futures]
+    for text, band in zip(bands, parsed, strict=True):
+        _refuse_without_answer(text, band, found, horizon)
     kept = [
         Kept(text, sum(judge(metrics, [band])[0].passed for metrics in found), len(found))
         for text, band in zip(bands, parsed, strict=True)
@@ -99,6 +102,14 @@ def _band(text: str) -> Band:
     if not isinstance(band, Band) or (band.begin, band.end) != WHOLE:
         raise UsageError(f"--expect {text!r}: a band of a metric over the whole horizon, such as 'overshoot <= 5 %'")
     return band
+
+
+def _refuse_without_answer(text: str, band: Band, found: list[Metrics], horizon: int) -> None:
+    if not any(math.isfinite(getattr(metrics, band.metric)) for metrics in found):
+        raise UsageError(
+            f"--expect {text!r}: not applicable to any of these futures of {horizon / NS:g} s; a limit cycle wants a "
+            "reference that rests, overshoot and settling a step: ask for 'valve travel' or 'max error'"
+        )
 
 
 def _spread(found: list[Metrics]) -> dict[str, dict[str, float]]:

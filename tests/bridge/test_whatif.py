@@ -58,3 +58,10 @@ def test_only_the_controller_can_be_tried(recorded: tuple[Path, Recording]):
         what_if(heard, {"rig.load.force": "100 N"}, HORIZON, [], 0.05)
     with pytest.raises(UsageError, match="whole horizon"):
         what_if(heard, {}, HORIZON, ["mean p1 from 1 s to 2 s <= 3 bar"], 0.05)
+
+
+def test_a_band_that_no_future_can_be_judged_by_is_refused(recorded: tuple[Path, Recording]):
+    """A sine has no stretch in which a limit cycle could be seen: it is not taken for one that is broken."""
+    heard = from_file(recorded[0], 300_000_000, SETTINGS)
+    with pytest.raises(UsageError, match="not applicable"):
+        what_if(heard, {}, HORIZON, ["limit cycle amplitude <= 0.5 mm"], 0.05)
