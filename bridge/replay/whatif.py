@@ -23,6 +23,7 @@ from twin.estimation.settings import Settings
 
 SHARES = {"low": 5.0, "median": 50.0, "high": 95.0}  # percentiles of the futures
 MEMORY = 1 * NS  # of measurements before now that a law may have seen
+OF_A_STEP = {"rise_time": "overshoot", "settling_time": "overshoot"}  # without a value also where it never settles
 ORDER = {"command": 0, "event": 1, "measurement": 2}
 
 
@@ -105,10 +106,11 @@ def _band(text: str) -> Band:
 
 
 def _refuse_without_answer(text: str, band: Band, found: list[Metrics], horizon: int) -> None:
-    if not any(math.isfinite(getattr(metrics, band.metric)) for metrics in found):
+    telling = OF_A_STEP.get(band.metric, band.metric)
+    if not any(math.isfinite(getattr(metrics, telling)) for metrics in found):
         raise UsageError(
-            f"--expect {text!r}: not applicable to any of these futures of {horizon / NS:g} s; a limit cycle wants a "
-            "reference that rests, overshoot and settling a step: ask for 'valve travel' or 'max error'"
+            f"--expect {text!r}: not applicable to any of these futures of {horizon / NS:g} s; a limit cycle needs a "
+            "reference that rests, overshoot and settling need a step: ask for 'valve travel' or 'max error'"
         )
 
 

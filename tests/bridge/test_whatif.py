@@ -65,3 +65,11 @@ def test_a_band_that_no_future_can_be_judged_by_is_refused(recorded: tuple[Path,
     heard = from_file(recorded[0], 300_000_000, SETTINGS)
     with pytest.raises(UsageError, match="not applicable"):
         what_if(heard, {}, HORIZON, ["limit cycle amplitude <= 0.5 mm"], 0.05)
+
+
+def test_a_step_that_never_settles_breaks_its_band(tmp_path: Path):
+    """50 ms after a step of 60 mm no future can have settled: that is an answer, and not a question without one."""
+    rec = run_in_memory(load("step", ["duration=1.1", "loop.delay=5 ms"]))
+    heard = from_file(save(rec, tmp_path / "a.mcap", "rig"), 950_000_000, SETTINGS)
+    verdict = what_if(heard, {}, 100_000_000, ["settling time <= 1 s"], 0.05)
+    assert [kept.kept for kept in verdict.bands] == [0]
