@@ -44,8 +44,6 @@ UNANSWERED = 1000  # samples whose way out is remembered while no command answer
 LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
 LINGER = 5.0  # seconds that partners get to finish
 FOLLOWING = 60.0  # seconds that a follower gets: in lockstep it may be behind
-
-
 LAST_PHASE = {
     Ending.COMPLETE: Phase.ENDED,
     Ending.INTERRUPTED: Phase.INTERRUPTED,

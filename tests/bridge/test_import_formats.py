@@ -165,6 +165,21 @@ def test_mcap_of_json_with_the_stamp_of_the_message(tmp_path):
     assert_exact(made_of(tmp_path / "a.mcap", "rig.u", "rig.x", "rig.p", '[time]\ncolumn = "stamp"'))
 
 
+def test_messages_that_cannot_be_read_are_counted_and_told(tmp_path):
+    """Two of twelve are cut short; nothing is made up in their place."""
+    with (tmp_path / "a.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        channel = writer.register_channel("rig", "json", writer.register_schema("rig", "jsonschema", b"{}"))
+        for k in range(12):
+            body = json.dumps({"x": float(k)}).encode()
+            writer.add_message(channel, k * 10**6, body[:-3] if k in (4, 9) else body, k * 10**6, k)
+        writer.finish()
+    table = read_log(tmp_path / "a.mcap", Reading())
+    assert len(table.columns["rig.x"].values) == 10
+    assert [note for note in table.notes if note.startswith("rig: 2 of 12 messages")]
+
+
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [  # three of them need what may not be installed

@@ -117,9 +117,11 @@ def found_in(paths: Iterable[Path]) -> list[Result]:
 
 def report(results: Sequence[Result]) -> None:
     """What the draws say, in a table."""
-    print(
-        f"{len(results)} draws, {3600.0 * len(results) / sum(r['seconds']['all'] for r in results):.0f} per core-hour"
-    )
+    if not results:
+        print("no draw is done yet")
+        return
+    seconds = sum(result["seconds"]["all"] for result in results)
+    print(f"{len(results)} draws, {3600.0 * len(results) / seconds:.0f} per core-hour")
     every: list[bool] = []
     for name in WORN:
         told = [r["estimates"][name] for r in results if r["estimates"][name]["identified"]]

@@ -91,23 +91,28 @@ def _table(path: Path, channels: dict[str, Channel], messages: list[Message], fo
         by_topic.setdefault(message.topic, []).append(message)
     found: dict[str, Column] = {}
     left: list[str] = []
+    notes: list[str] = []
     for topic, own in by_topic.items():
         decode = _decoder(channels.get(topic, Channel("", "", "")))
         if decode is None:
             left.append(topic)
             continue
-        found |= {made.name: made for made in _columns(path, topic, own, decode)}
+        rows, stamps = _rows(own, decode)
+        if unread := len(own) - len(rows):
+            notes.append(f"{topic}: {unread} of {len(own)} messages are not what their channel says, and are left out")
+        found |= {made.name: made for made in _columns(path, topic, rows, stamps)}
     if not found:
         raise UsageError(f"{path}: holds no message with numbers that can be read (CDR of ROS 2, or JSON)")
     if sum(len(one.values) for one in found.values()) > MOST_CELLS:
         raise UsageError(f"{path}: has more than {MOST_CELLS} numbers; a log may have as many: leave topics out")
     encodings = ", ".join(sorted({channels[topic].encoding for topic in by_topic if topic in channels}))
-    notes = (f"topics left out, since their encoding or type is not known here: {', '.join(left[:5])}",) if left else ()
-    return Table(f"{form}, {encodings}", found, notes)
+    if left:
+        notes.append(f"topics left out, since their encoding or type is not known here: {', '.join(left[:5])}")
+    return Table(f"{form}, {encodings}", found, tuple(notes))
 
 
-def _columns(path: Path, topic: str, messages: Iterable[Message], decode: Decode) -> Iterator[Column]:
-    """Every field of a topic that has numbers, with NaN where a message lacks it."""
+def _rows(messages: Iterable[Message], decode: Decode) -> tuple[list[dict[str, Any]], list[int]]:
+    """The numbers of each message that can be read, by name, and its stamp [ns]."""
     rows, stamps = [], []
     for message in messages:
         try:
@@ -115,6 +120,11 @@ def _columns(path: Path, topic: str, messages: Iterable[Message], decode: Decode
         except Exception:  # of many kinds: a payload is not what its channel says
             continue
         stamps.append(message.stamp)
+    return rows, stamps
+
+
+def _columns(path: Path, topic: str, rows: list[dict[str, Any]], stamps: list[int]) -> Iterator[Column]:
+    """Every field of a topic that has numbers, with NaN where a message lacks it."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     refuse_large(path, len(rows), len(names))
     clock = np.array(stamps, np.int64)
