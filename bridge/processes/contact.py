@@ -2,11 +2,16 @@
 
 import time
 from collections.abc import Callable
+from typing import Any
 
+from bridge.errors import RunError
 from bridge.wire.bus import Bus
+from bridge.wire.messages import GOING
+from bridge.wire.status import PlantStatus, numbers_of
 
 RECONNECTING = 10.0  # seconds that a router may be gone: sessions connect again by themselves
 DIRECT = 1.0  # seconds where the plant itself is what was connected to
+FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 REPLAY = "replay"  # how a replay that stands in for a plant calls itself
 
 
@@ -19,6 +24,8 @@ class Contact:
         self._patience = RECONNECTING if list(bus.session.info.routers_zid()) else DIRECT
         self._gone_since: float | None = None
         self._last: set[str] = set()
+        self._last_tick: int | None = None  # of the plant, once it has said so
+        self._deadline = float("inf")
 
     def lost(self) -> bool:
         """Has the plant been away for longer than it takes to connect again?"""
@@ -35,3 +42,19 @@ class Contact:
         if self._last == {REPLAY}:
             return None
         return f"lost contact with the plant at {when}: it was killed, or the connection to it was lost"
+
+    def heed(self, status: Any) -> None:
+        """Take a status of anybody: the plant's last one says which tick was its last."""
+        if status.role == "plant" and status.phase not in GOING:
+            self._last_tick = PlantStatus.from_plain(numbers_of(status)).tick
+            self._deadline = self._now() + FAREWELL
+
+    def over(self, tick: int, when: str) -> bool:
+        """Has the plant ended, and has its last tick been dealt with? Raises RunError where it is lost."""
+        if self._last_tick is not None:
+            return tick >= self._last_tick or self._now() > self._deadline
+        if not self.lost():
+            return False
+        if words := self.words(when):
+            raise RunError(words)
+        return True

@@ -18,13 +18,12 @@ from bridge.wire.codec import decode, ready
 from bridge.wire.events import line_of_law, reason_of
 from bridge.wire.limits import Excess
 from bridge.wire.link import Link
-from bridge.wire.messages import ALARMING, CHANNELS_TOPIC, GOING, EventKind, Mode, Outgoing, Phase, Reason
-from bridge.wire.status import PUBLISHED, TURNED, PlantStatus, counted, numbers_of
+from bridge.wire.messages import ALARMING, CHANNELS_TOPIC, EventKind, Mode, Outgoing, Phase, Reason
+from bridge.wire.status import PUBLISHED, TURNED, counted
 from controller.grid import NS
 
 TOLD_OF_PLANT = (EventKind.SAFE, EventKind.RESET, EventKind.RESUMED, EventKind.CHANGED, EventKind.FAULT, *ALARMING)
 ASKING = 2.0  # seconds for the plant to say what it runs
-FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 
 
 class ControllerProcess:
@@ -43,18 +42,16 @@ class ControllerProcess:
         self.side = side
         self.stop = stop
         self._tick, self._stamp, self._run_id = -1, 0, 0
-        self._last_tick: int | None = None  # of the plant, once it has said so
-        self._deadline = float("inf")
         self._fault: Exception | None = None
         self._waiting: Any = None  # the measurement of which the law needs more that has not come yet
-        heeded = [("measurement", self._answer), ("event", self._heed), ("status", self._follow)]
+        self._contact = Contact(bus)
+        heeded = [("measurement", self._answer), ("event", self._heed), ("status", self._contact.heed)]
         heeded += [("state", self._before(side.see))] if side.sees_truth else []
         heeded += [(CHANNELS_TOPIC, self._before(side.hear))] if side.reads_channels else []
         for topic, heed in heeded:
             ready(topic)
             bus.subscribe(topic, self._guarded(topic, heed))
         bus.watch()
-        self._contact = Contact(bus)
         bus.announce()
 
     def run(self) -> None:
@@ -143,19 +140,8 @@ class ControllerProcess:
         ours = event.kind == EventKind.REFUSED and event.source == self.side.source
         return ours and reason_of(event) == Reason.SECOND_CONTROLLER
 
-    def _follow(self, status: Any) -> None:
-        if status.role == "plant" and status.phase not in GOING:
-            self._last_tick = PlantStatus.from_plain(numbers_of(status)).tick
-            self._deadline = time.monotonic() + FAREWELL
-
     def _finished(self) -> bool:
-        if self._last_tick is not None:
-            return self._tick >= self._last_tick or time.monotonic() > self._deadline
-        if not self._contact.lost():
-            return False
-        if words := self._contact.words(f"t = {self._stamp / NS:g} s"):
-            raise RunError(words)
-        return True
+        return self._contact.over(self._tick, f"t = {self._stamp / NS:g} s")
 
 
 def run_controller(scenario: Scenario, link: Link, mode: Mode, source: int, fifo: bool, quiet: bool = False) -> None:

@@ -22,8 +22,8 @@ from bridge.wire.bus import Bus
 from bridge.wire.codec import decode, ready
 from bridge.wire.limits import WAITING_RECORDS, Excess
 from bridge.wire.link import Link
-from bridge.wire.messages import ESTIMATE, GOING, HEALTH, INNOVATION, TOPICS, Mode, Outgoing, Phase
-from bridge.wire.status import PUBLISHED, TURNED, PlantStatus, counted, numbers_of
+from bridge.wire.messages import ESTIMATE, HEALTH, INNOVATION, TOPICS, Mode, Outgoing, Phase
+from bridge.wire.status import PUBLISHED, TURNED, counted
 from controller.grid import NS
 from twin.estimation.filter import Estimate
 from twin.estimation.health import Health, Rules
@@ -33,7 +33,6 @@ from twin.estimation.settings import Settings
 ROLE = "follower"
 HEARD = ("command", "measurement", "event", "status")
 STATUS_PERIOD = 0.5  # [s] of wall time
-FAREWELL = 2.0  # seconds after the plant's end in which its last measurements may still come
 YIELDING = 5  # niceness: the loop's own processes come first
 
 
@@ -59,8 +58,7 @@ class FollowerProcess:
         self._standing = Standing.WAITING
         self._said = 0  # of the verdicts on its health
         self._status_due = 0.0
-        self._last_tick: int | None = None  # of the plant, once it has said so
-        self._tick, self._deadline = -1, float("inf")
+        self._tick = -1
         self._began = time.process_time(), time.monotonic()
         ready(*HEARD, ESTIMATE, INNOVATION, HEALTH)
         for topic in HEARD:
@@ -98,7 +96,7 @@ class FollowerProcess:
             self.bus.turned.add(topic, Excess.UNREADABLE)  # somebody else's noise on our keys
             return
         if topic == "status":
-            self._follow(message)
+            self._contact.heed(message)
         elif topic == "event":
             self.side.heed(message)
         elif topic == "command":
@@ -119,19 +117,9 @@ class FollowerProcess:
                 self._narrator.say(words)
             self._said = len(self.side.health.told)
 
-    def _follow(self, status: Any) -> None:
-        if status.role == "plant" and status.phase not in GOING:
-            self._last_tick = PlantStatus.from_plain(numbers_of(status)).tick
-            self._deadline = time.monotonic() + FAREWELL
-
     def _finished(self) -> bool:
-        if self._last_tick is not None:
-            return (self._tick >= self._last_tick and self._inbox.empty()) or time.monotonic() > self._deadline
-        if not self._contact.lost():
-            return False
-        if words := self._contact.words(f"t = {max(0, self._newest) / NS:g} s"):
-            raise RunError(words)
-        return True
+        done = self._tick if self._inbox.empty() else -1
+        return self._contact.over(done, f"t = {max(0, self._newest) / NS:g} s")
 
     def _report_when_due(self) -> None:
         if time.monotonic() < self._status_due:
