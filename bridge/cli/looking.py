@@ -34,7 +34,7 @@ def view(
     """Show a recording, or without FILE a running plant, in Rerun: the rig in 3-D, curves, maps of the pipes, events.
 
     Watching live: what a slow viewer cannot take is left out of the picture. Drawing takes processor time: where
-    timing matters run the loop with --fifo, or watch from another machine.
+    timing matters let the loop have SCHED_FIFO (hydrotwin doctor says whether it may), or watch from another machine.
     """
     from bridge.scenario.units import option
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from bridge.errors import UsageError
+from bridge.machine.priority import Priority
 from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 
@@ -85,7 +86,10 @@ CONFIG = Annotated[
     Path | None, typer.Option("--zenoh-config", help="Zenoh configuration file: TLS, passwords, access control.")
 ]
 MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
-FIFO = Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")]
+PRIORITY = Annotated[
+    Priority,
+    typer.Option(help="Of the loop's processes: auto takes SCHED_FIFO and locked memory in real time where granted."),
+]
 QUIET = Annotated[bool, typer.Option("--quiet", help="Do not say on the terminal what happens.")]
 WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one per core]", show_default=False)]
 SCHEDULER = Annotated[

@@ -34,7 +34,8 @@ def print_summary(outcome: "Outcome") -> None:
         console.print(plain_text(summary.scenario, "bold") + words, soft_wrap=True)
         print_table(("control", ""), _metric_rows(summary))
         print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary))
-        for line in [*_stability(outcome), *_counts(summary)]:
+        priority = [f"priority   {outcome.priority}"] if outcome.priority else []
+        for line in [*priority, *_stability(outcome), *_counts(summary)]:
             console.print(plain_text(line), soft_wrap=True)
     for note in outcome.notes:
         console.print(plain_text(note, "yellow"), soft_wrap=True)

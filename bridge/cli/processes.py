@@ -10,11 +10,11 @@ from bridge.cli.options import (
     CHANGES,
     CONFIG,
     CONNECT,
-    FIFO,
     JOIN,
     LISTEN,
     MODE,
     PATIENCE,
+    PRIORITY,
     QUIET,
     SCENARIO,
     ProcessMode,
@@ -22,6 +22,7 @@ from bridge.cli.options import (
     seconds,
 )
 from bridge.cli.outputs import print_json
+from bridge.machine.priority import Priority
 from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 
@@ -45,7 +46,7 @@ def plant(
         float,
         typer.Option(help="Seconds to wait for partners, and in lockstep for commands.", callback=seconds),
     ] = 10.0,
-    fifo: FIFO = False,
+    priority: PRIORITY = Priority.AUTO,
     quiet: QUIET = False,
     as_json: AS_JSON = False,
 ) -> None:
@@ -66,7 +67,7 @@ def plant(
 
     link = Link(listen or (None if connect or zenoh_config else DEFAULT_ENDPOINT), connect, zenoh_config, patience)
     awaited = tuple(partners or (["controller"] if mode == ProcessMode.LOCKSTEP else []))
-    options = PlantOptions(Mode(mode), speed, fifo, fresh() if run_id is None else run_id, awaited, patience, quiet)
+    options = PlantOptions(Mode(mode), speed, priority, fresh() if run_id is None else run_id, awaited, patience, quiet)
     words = run_plant(checked, link, options).plain()
     if as_json:
         print_json(words)
@@ -88,7 +89,7 @@ def controller(
         int | None, typer.Option(help="Identity of this controller. [default: random]", show_default=False)
     ] = None,
     patience: PATIENCE = 10.0,
-    fifo: FIFO = False,
+    priority: PRIORITY = Priority.AUTO,
     quiet: QUIET = False,
 ) -> None:
     """Answer measurements with valve commands until the plant ends.
@@ -108,7 +109,7 @@ def controller(
     from bridge.wire.link import Link
 
     link = Link(None, connect, zenoh_config, patience)
-    run_controller(checked, link, Mode(mode), fresh() if source is None else source, fifo, quiet)
+    run_controller(checked, link, Mode(mode), fresh() if source is None else source, priority, quiet)
 
 
 def router(

@@ -12,6 +12,7 @@ import typer
 from bridge.cli.options import (
     AS_JSON,
     CHANGES,
+    PRIORITY,
     SCENARIO,
     Mode,
     address,
@@ -20,6 +21,7 @@ from bridge.cli.options import (
 from bridge.cli.outputs import own_folder, print_json, write_text
 from bridge.cli.streams import complain, done_when_interrupted
 from bridge.errors import UsageError
+from bridge.machine.priority import Priority
 
 if TYPE_CHECKING:
     from bridge.runs.check import CheckResult
@@ -42,7 +44,7 @@ def run(
     summary_file: Annotated[
         Path | None, typer.Option("--json", help="Also write the summary as JSON; - prints it instead of the table.")
     ] = None,
-    fifo: Annotated[bool, typer.Option("--fifo", help="Ask for SCHED_FIFO and locked memory.")] = False,
+    priority: PRIORITY = Priority.AUTO,
     external: Annotated[
         bool, typer.Option("--external", help="Wait for an external controller instead of starting ours.")
     ] = False,
@@ -73,7 +75,7 @@ def run(
     from bridge.runs.run import run_scenario, shown
 
     with nullcontext(recording) if recording else own_name(default_recording(checked.name)) as path:
-        outcome = run_scenario(checked, RunOptions(mode, path, speed, fifo, patience, external, listen))
+        outcome = run_scenario(checked, RunOptions(mode, path, speed, priority, patience, external, listen))
     if summary_file == Path("-"):
         print_json(outcome.plain())
         raise typer.Exit(1 if outcome.faults else 0)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bridge.machine.host import cpu, versions
-from bridge.machine.process import FIFO_PRIORITY
+from bridge.machine.priority import FIFO_PRIORITY
 from bridge.machine.punctuality import (
     Assessment,
     loopback,
@@ -81,13 +81,14 @@ def processor() -> Assessment:
 def fifo() -> Assessment:
     """May a process of ours run at real-time priority? Tried in one that ends at once."""
     return _permission(
-        FIFO_PROBE, f"for --fifo run as root, or allow `ulimit -r {FIFO_PRIORITY}` (rtprio in limits.conf)"
+        FIFO_PROBE, f"for punctual ticks run as root, or allow `ulimit -r {FIFO_PRIORITY}` (rtprio in limits.conf)"
     )
 
 
 def locked_memory() -> Assessment:
     """May a process of ours keep its pages in memory? Tried in one that ends at once."""
-    return _permission(LOCK_PROBE, "for --fifo run as root, or allow `ulimit -l unlimited` (memlock in limits.conf)")
+    advice = "for punctual ticks run as root, or allow `ulimit -l unlimited` (memlock in limits.conf)"
+    return _permission(LOCK_PROBE, advice)
 
 
 def _permission(probe: str, advice: str) -> Assessment:

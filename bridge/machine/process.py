@@ -2,15 +2,11 @@
 
 import ctypes
 import gc
-import os
 import signal
 import sys
 from typing import Any
 
 PR_SET_TIMERSLACK = 29
-MCL_CURRENT_AND_FUTURE = 3
-FIFO_PRIORITY = 30
-
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a polite kill, a closed terminal
 
@@ -53,34 +49,15 @@ class Stop:
 NOTE = "hydrotwin: note: "  # how a line on standard error begins that is not a failure
 
 
-def prepare(fifo: bool) -> None:
-    """Make this process punctual; call before any thread starts. What cannot be had is noted on standard error."""
+def prepare() -> None:
+    """Make this process punctual; call before any thread starts."""
     gc.collect()
     gc.freeze()
     gc.disable()
     sys.setswitchinterval(1e-4)
     _prctl(PR_SET_TIMERSLACK, 1)
-    for note in _take_fifo() if fifo else []:
-        print(f"{NOTE}{note}", file=sys.stderr, flush=True)
-
-
-def _take_fifo() -> list[str]:
-    notes = []
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
-    except (OSError, AttributeError) as error:
-        notes.append(
-            f"SCHED_FIFO refused ({error}): running at ordinary priority; run as root or raise `ulimit -r` to get it"
-        )
-    if _libc().mlockall(MCL_CURRENT_AND_FUTURE) != 0:
-        notes.append("mlockall refused: pages may be swapped; raise `ulimit -l` to get it")
-    return notes
 
 
 def _prctl(option: int, value: int) -> None:
     if sys.platform == "linux":
-        _libc().prctl(option, value, 0, 0, 0)
-
-
-def _libc() -> ctypes.CDLL:
-    return ctypes.CDLL(None, use_errno=True)
+        ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0)

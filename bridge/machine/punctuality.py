@@ -24,7 +24,7 @@ def pacing() -> Assessment:
     return (
         state,
         _spread(lateness),
-        "end other programs, try --fifo, or run slower: --speed 0.5; lockstep needs no clock",
+        "end other programs, allow SCHED_FIFO (below), or run slower: --speed 0.5; lockstep needs no clock",
     )
 
 
@@ -36,7 +36,7 @@ def sleeping() -> Assessment:
     return (
         state,
         _spread(lateness),
-        f"sleep overshoots the {SPIN_NS / 1e3:.0f} us that are spun: use --fifo, or a kernel"
+        f"sleep overshoots the {SPIN_NS / 1e3:.0f} us that are spun: allow SCHED_FIFO, or a kernel"
         " with high-resolution timers",
     )
 

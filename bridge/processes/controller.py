@@ -8,6 +8,7 @@ from typing import Any
 from bridge.errors import RunError
 from bridge.loop.controller import ControllerSide
 from bridge.machine.narrator import Narrator
+from bridge.machine.priority import Priority, take
 from bridge.machine.process import Stop, prepare
 from bridge.processes.contact import Contact
 from bridge.scenario import Scenario
@@ -54,9 +55,13 @@ class ControllerProcess:
         bus.watch()
         bus.announce()
 
-    def run(self) -> None:
-        """Answer until the plant has ended. Raises what the law raised, RunError when refused or the plant is lost."""
-        self._narrator.say(f"controller of rig {self.bus.rig_name!r}, {self.bus.place}: {self._scenario.name!r}")
+    def run(self, priority: str) -> None:
+        """Answer until the plant has ended. Raises what the law raised, RunError when refused or the plant is lost.
+
+        priority: in words, what the process was granted.
+        """
+        who = f"controller of rig {self.bus.rig_name!r}, {self.bus.place}"
+        self._narrator.say(f"{who}: {self._scenario.name!r}, priority {priority}")
         while not self.stop() and not self._finished():
             time.sleep(0.02)
             if self._fault is not None:
@@ -144,9 +149,12 @@ class ControllerProcess:
         return self._contact.over(self._tick, f"t = {self._stamp / NS:g} s")
 
 
-def run_controller(scenario: Scenario, link: Link, mode: Mode, source: int, fifo: bool, quiet: bool = False) -> None:
+def run_controller(
+    scenario: Scenario, link: Link, mode: Mode, source: int, priority: Priority, quiet: bool = False
+) -> None:
     """Run a controller until its plant ends. Raises RunError, LinkError or UsageError with one line for people."""
     side = ControllerSide(scenario, source)
-    prepare(fifo)
+    prepare()
     with Bus(link, scenario.rig_name, "controller", blocking=mode == Mode.LOCKSTEP) as bus:
-        ControllerProcess(bus, side, Stop().listen(), scenario, quiet).run()
+        process = ControllerProcess(bus, side, Stop().listen(), scenario, quiet)
+        process.run(take(priority, mode == Mode.REALTIME))

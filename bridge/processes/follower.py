@@ -3,7 +3,6 @@
 Zenoh's thread only keeps what comes; the filter works in ours, at its own pace: the loop never waits for it.
 """
 
-import os
 import queue
 import time
 from collections.abc import Callable
@@ -14,6 +13,7 @@ from bridge.errors import RunError
 from bridge.loop.follower import FollowerSide, warm_up
 from bridge.loop.health import watching
 from bridge.machine.narrator import Narrator
+from bridge.machine.priority import stand_back
 from bridge.machine.process import Stop
 from bridge.processes.contact import Contact
 from bridge.scenario import changed
@@ -33,7 +33,6 @@ from twin.estimation.settings import Settings
 ROLE = "follower"
 HEARD = ("command", "measurement", "event", "status")
 STATUS_PERIOD = 0.5  # [s] of wall time
-YIELDING = 5  # niceness: the loop's own processes come first
 
 
 class FollowerReport(NamedTuple):
@@ -155,7 +154,7 @@ def run_follower(
     """Follow a rig until its plant ends. Raises RunError, LinkError or UsageError with one line for people."""
     assert TOPICS[ESTIMATE].publisher == ROLE
     stop = Stop()
-    os.nice(YIELDING)
+    stand_back()
     with Bus(link, rig, ROLE, blocking=mode == Mode.LOCKSTEP) as bus:
         told = bus.ask("scenario", link.patience, stop.listen())
         if told is None:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
+from bridge.machine.priority import Priority
 from bridge.wire.messages import Mode
 
 SLOW = "did not exit within"  # how a fault reads that follows from another one
@@ -14,7 +15,7 @@ class RunOptions(NamedTuple):
     mode: Mode
     recording: Path
     speed: float = 1.0  # simulated over wall time, in real time
-    fifo: bool = False
+    priority: Priority = Priority.AUTO
     patience: float = 10.0  # seconds the plant waits for a partner, in lockstep for each command
     external: bool = False  # the controller is somebody else's: wait for it, do not start ours
     listen: str | None = None  # the plant's endpoint; None: a free one on loopback

@@ -14,6 +14,7 @@ from bridge.loop.plant_tuning import refuse_impossible
 from bridge.machine.clock import Overruns, ticks
 from bridge.machine.host import host, versions
 from bridge.machine.narrator import Narrator
+from bridge.machine.priority import Priority, take
 from bridge.machine.process import Stop, prepare
 from bridge.machine.refusals import count_refusals
 from bridge.processes.failing import faults_of_processes, refuse_processes
@@ -56,7 +57,7 @@ class PlantOptions(NamedTuple):
 
     mode: Mode  # lockstep, realtime
     speed: float  # simulated over wall time
-    fifo: bool
+    priority: Priority
     run_id: int
     partners: tuple[str, ...]  # roles to wait for before the clock starts
     patience: float  # seconds to wait for them, and in lockstep for each command
@@ -84,7 +85,7 @@ class PlantProcess:
         self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
         self._status_due = 0
         self._timings = 0
-        self._facts = {"versions": versions(), "host": host(), **law_facts(scenario.controller)}
+        self._facts: dict[str, Any] = {"versions": versions(), "host": host(), **law_facts(scenario.controller)}
         self._narrator = Narrator(options.quiet)
         self._telling = Telling(self._narrator, is_live=isinstance(scenario.reference, Live))
         self._settled = 0.0
@@ -103,11 +104,16 @@ class PlantProcess:
             bus.subscribe("target", lambda sample: self._targets.put(sample.payload.to_bytes()))
         bus.subscribe("reset", lambda *_: self._commands.put(None))
         bus.watch()
+        granted = take(options.priority, options.mode == Mode.REALTIME)
+        self._facts["host"] |= {"priority": granted}
         bus.announce()
 
     def run(self) -> Ending:
         """Run to the end; returns what ended it. Raises RunError when a partner does not come or does not answer."""
-        self._narrator.say(f"plant of rig {self.bus.rig_name!r}, {self.bus.place}: scenario {self.scenario.name!r}")
+        granted = f"priority {self._facts['host']['priority']}"
+        self._narrator.say(
+            f"plant of rig {self.bus.rig_name!r}, {self.bus.place}: scenario {self.scenario.name!r}, {granted}"
+        )
         missing = self.bus.await_roles(self.options.partners, self.options.patience, self.stop)
         if missing and not self.stop():
             raise RunError(f"no {' and no '.join(missing)} within {self.options.patience:g} s of the start")
@@ -332,7 +338,7 @@ def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantRep
     refuse_processes(scenario, options.mode)
     if options.mode == Mode.REALTIME and EAR not in options.partners and (alone := [*faults_of_processes(scenario)]):
         raise ScenarioError(f"fault {alone[0]!r}: only `hydrotwin run` starts the processes that are to fail")
-    prepare(options.fifo)
+    prepare()
     turned = Turned()
     if link.listen and link.config and is_guarded(link.config):
         count_refusals(turned)

@@ -49,7 +49,7 @@ class Starter:
         place = ["--connect", self._endpoint] if self._by_router else ["--listen", self._endpoint]
         who = ["--run-id", str(derived(scenario.seed, scenario.rig_name)), "--patience", str(options.patience)]
         awaited = [word for role in ("recorder", "controller", EAR) for word in ("--await", role)]
-        how = ["--mode", options.mode, "--speed", str(options.speed), "--quiet", *self._fifo]
+        how = ["--mode", options.mode, "--speed", str(options.speed), "--quiet", *self._priority]
         return [str(self._file), *place, *who, *awaited, *how]
 
     def _router(self, again: int) -> list[str]:
@@ -65,12 +65,12 @@ class Starter:
         """One that is started again is another source, as any process is."""
         names = ("controller", str(again)) if again else ("controller",)
         source = ["--source", str(derived(self._scenario.seed, *names))]
-        return [str(self._file), *self._client, *source, *self._fifo, "--quiet"]
+        return [str(self._file), *self._client, *source, *self._priority, "--quiet"]
 
     @property
     def _client(self) -> list[str]:
         return ["--mode", self._options.mode, "--connect", self._endpoint, "--patience", str(STARTUP)]
 
     @property
-    def _fifo(self) -> list[str]:
-        return ["--fifo"] if self._options.fifo else []
+    def _priority(self) -> list[str]:
+        return ["--priority", self._options.priority]

@@ -43,7 +43,7 @@ def replay(path: Path, link: Link, playing: Playing) -> dict[str, Any]:
     entries = selected(recording, playing)
     keys = remapped(_keys(recording, {entry.topic for entry in entries}), playing.remap)
     rig = _rig(recording, playing)
-    prepare(fifo=False)
+    prepare()
     with Bus(link, rig, "replay", blocking=True) as bus:
         others = live_publishers(bus, keys) if not playing.force else []
         if others:

@@ -43,6 +43,12 @@ class Outcome(NamedTuple):
         """The file of the run; None when none was written."""
         return None if self.summary is None else self.options.recording
 
+    @property
+    def priority(self) -> str | None:
+        """What the plant was granted; None without a clock."""
+        told = self.data.metadata["run"]["host"] if self.data and self.options.mode == Mode.REALTIME else {}
+        return told.get("priority")
+
     def plain(self) -> dict[str, Any]:
         """For JSON."""
         words = {"faults": self.faults, "notes": self.notes}

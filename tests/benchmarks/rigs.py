@@ -15,28 +15,30 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from bridge.machine.priority import Priority
 from tests.benchmarks.plant import Row
 from tests.support.processes import ENVIRONMENT, LOOSE, UNDRAWN
 
 SECONDS = 8.0
+PRIORITIES = (Priority.ORDINARY, Priority.FIFO)
 MOST = 8  # rigs
 MISSED = 0.01  # share of ticks a period or more late, from which on a machine counts as full
 RATES = {100: 10.0, 500: 2.0, 1000: 1.0, 2000: 0.5, 5000: 0.2}  # [Hz] -> period [ms]
 
 
 def rigs(folder: Path) -> Iterator[Row]:
-    """More rigs each time until deadlines are missed: at ordinary priority, then with --fifo where that is granted."""
-    for fifo in (False, True):
+    """More rigs each time until deadlines are missed: at ordinary priority, then with SCHED_FIFO where granted."""
+    for priority in PRIORITIES:
         yield _load()
-        yield from _more(folder, fifo)
+        yield from _more(folder, priority)
 
 
-def _more(folder: Path, fifo: bool) -> Iterator[Row]:
+def _more(folder: Path, priority: Priority) -> Iterator[Row]:
     for count in (1, 2, 3, 4, 6, MOST):
-        found = _together(folder, count, 1.0, fifo)
+        found = _together(folder, count, 1.0, priority)
         shares = [_missed(summary) for summary in found]
         late = ", ".join(f"{100 * share:.1f}" for share in shares)
-        yield f"{count} rigs at 1 kHz{_how(fifo)}", f"{late} % of ticks missed", _worst(found), ""
+        yield f"{count} rigs at 1 kHz, {priority}", f"{late} % of ticks missed", _worst(found), ""
         if max(shares) > MISSED * 10:
             break
 
@@ -44,18 +46,14 @@ def _more(folder: Path, fifo: bool) -> Iterator[Row]:
 def rates(folder: Path) -> Iterator[Row]:
     """One rig, faster and faster."""
     yield _load()
-    for fifo, (rate, period) in product((False, True), RATES.items()):
-        (summary,) = _together(folder, 1, period, fifo)
+    for priority, (rate, period) in product(PRIORITIES, RATES.items()):
+        (summary,) = _together(folder, 1, period, priority)
         yield (
-            f"one rig at {rate} Hz{_how(fifo)}",
+            f"one rig at {rate} Hz, {priority}",
             f"{100 * _missed(summary):.2f} % of ticks missed",
             _worst([summary]),
             "",
         )
-
-
-def _how(fifo: bool) -> str:
-    return ", --fifo" if fifo else ""
 
 
 def _load() -> Row:
@@ -72,13 +70,14 @@ def _missed(summary: dict[str, Any]) -> float:
     return summary["timing"]["overruns"]["ticks"] / summary["messages"]["state"]
 
 
-def _together(folder: Path, count: int, period: float, fifo: bool) -> list[dict[str, Any]]:
+def _together(folder: Path, count: int, period: float, priority: Priority) -> list[dict[str, Any]]:
     """Summaries of so many rigs that run at the same time."""
     own = Path(tempfile.mkdtemp(dir=folder))
     sample = ["--set", "loop.sample_period=10 ms", "--set", f"loop.daq_period={period} ms"]
     loose = [
         *LOOSE,
-        *(["--fifo"] if fifo else []),
+        "--priority",
+        priority,
         "--set",
         "allowed.safe_states=1000",
         "--set",

@@ -28,7 +28,7 @@ QUANTILES = {"p50": 50.0, "p99": 99.0, "p99.9": 99.9, "max": 100.0}
 
 def timer(period_ns: int, seconds: float) -> NDArray[np.int64]:
     """Lateness [ns] of bare ticks: the same waiting, nothing done."""
-    prepare(fifo=False)
+    prepare()
     return np.array([tick.lateness for tick in islice(ticks(period_ns), round(seconds * 1e9 / period_ns))])
 
 

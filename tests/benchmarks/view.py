@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from bridge.machine.priority import Priority
 from bridge.processes.options import RunOptions
 from bridge.runs.run import run_scenario
 from bridge.scenario import load
@@ -21,20 +22,20 @@ CHANGES = ["duration=8", "loop.sample_period=0.001", "real_time.overruns=1.0", "
 
 def rows(folder: Path) -> Iterator[Row]:
     """A controller at 1 kHz; the view serves a page."""
-    for fifo, priority in ((False, ""), (True, ", --fifo")):
-        yield from _rows(folder, fifo, priority)
+    for priority in (Priority.ORDINARY, Priority.FIFO):
+        yield from _rows(folder, priority)
 
 
-def _rows(folder: Path, fifo: bool, priority: str) -> Iterator[Row]:
-    alone, watched = in_turns(lambda: _run(folder, fifo, watch=False), lambda: _run(folder, fifo, watch=True))
-    yield from compared(alone, watched, ("p99", "p50"), f"live view on{priority}")
+def _rows(folder: Path, priority: Priority) -> Iterator[Row]:
+    alone, watched = in_turns(lambda: _run(folder, priority, watch=False), lambda: _run(folder, priority, watch=True))
+    yield from compared(alone, watched, ("p99", "p50"), f"live view on, priority {priority}")
     lost, beside = (sum(sum(run["lost"].values()) for run in runs) for runs in (watched, alone))
-    yield f"messages lost at the recorder, live view on{priority}", str(lost), f"{beside} alone", ""
+    yield f"messages lost at the recorder, live view on, priority {priority}", str(lost), f"{beside} alone", ""
 
 
-def _run(folder: Path, fifo: bool, watch: bool) -> dict[str, Any]:
+def _run(folder: Path, priority: Priority, watch: bool) -> dict[str, Any]:
     endpoint = free_endpoint()
-    request = RunOptions(Mode.REALTIME, folder / "view.mcap", fifo=fifo, listen=endpoint)
+    request = RunOptions(Mode.REALTIME, folder / "view.mcap", priority=priority, listen=endpoint)
     with _watching(endpoint if watch else None):
         return run_scenario(load("step", CHANGES), request).plain()
 

@@ -19,6 +19,7 @@ from tests.support.two_sides import words_of
 from twin.cylinder import Cylinder
 
 PERIOD = 4.0  # [s] of the scenario `sine`
+FIFO = ("--priority", "fifo")
 EDGES = np.array([-np.inf, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, np.inf])  # [ms] of lateness
 SETTLED = 0.3  # share of the run after which memory is settled
 GROWN = 8.0  # [MB] that a process may have more at the end than when it was settled, beside a share
@@ -48,9 +49,9 @@ def resident(pid: int) -> float:
 def watched(path: Path, seconds: float) -> dict[str, Memory]:
     """A run of `square` in real time with recorder and view, whose file is 80 MB a minute; memory of each process."""
     endpoint = free_endpoint()
-    words = ("run", "square", "--duration", f"{seconds:g}", "--listen", endpoint, "--record", str(path), "--fifo")
+    words = ("run", "square", "--duration", f"{seconds:g}", "--listen", endpoint, "--record", str(path))
     view = ("view", "--connect", endpoint, "--save", str(path.with_suffix(".rrd")), "--patience", "60")
-    with started(*words, *LOOSE, *UNDRAWN, cwd=path.parent) as run, started(*view, cwd=path.parent) as viewer:
+    with started(*words, *FIFO, *LOOSE, *UNDRAWN, cwd=path.parent) as run, started(*view, cwd=path.parent) as viewer:
         pids = {role: child(run.pid, role, 60.0) for role in ROLES[:-1]} | {"view": viewer.pid}
         samples: dict[str, list[float]] = {role: [] for role in ROLES}
         while not path.exists() and run.poll() is None:

@@ -90,7 +90,7 @@ def _running(name: str, *changes: str, speed: str = "1") -> Iterator[str]:
     endpoint = free_endpoint()
     options = [option for change in changes for option in ("--set", change)]
     with TemporaryDirectory() as folder:
-        words = ("--fifo", "--speed", speed, "--listen", endpoint, "--record", f"{folder}/live.mcap")
+        words = ("--speed", speed, "--listen", endpoint, "--record", f"{folder}/live.mcap")
         command = ["run", name, *words, *options]
         with subprocess.Popen(_hydrotwin(*command), stdout=subprocess.DEVNULL) as process:
             try:

@@ -1,6 +1,5 @@
 """The recorder as a process: everything on a rig's keys into MCAP files, losses counted."""
 
-import os
 import queue
 import sys
 import threading
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bridge.errors import RunError
+from bridge.machine.priority import stand_back
 from bridge.machine.process import NOTE, Stop
 from bridge.processes.contact import Contact
 from bridge.processes.recorder.run_file import Arrival, Request, RunFile
@@ -24,7 +24,6 @@ from bridge.wire.messages import TOPICS, Phase
 from controller.grid import NS
 
 DRAIN_PERIOD = 0.02  # seconds; waking for every message would take the loop's processors
-YIELDING = 5  # niceness: the loop's own processes come first
 FOLLOWING = 60.0  # seconds for a follower, which in lockstep may be behind
 PATIENCE = 3.0  # seconds for what was announced to arrive, after the plant's end
 
@@ -191,6 +190,6 @@ class RecorderProcess:
 def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool, request: Request | None = None) -> list[Path]:
     """Record a rig until its plant ends; returns the last run's files. Raises RunError or LinkError with one line."""
     stop = Stop()
-    os.nice(YIELDING)
+    stand_back()
     with Bus(link, rig_name, "recorder", blocking=blocking) as bus:
         return RecorderProcess(bus, path, link.patience, stop, request, stop.listen).run()

@@ -1,0 +1,83 @@
+"""The priority of a process of the loop: what it asks for, what it gets, and how it gives it back."""
+
+import ctypes
+import os
+import signal
+import sys
+from enum import StrEnum
+from pathlib import Path
+
+from bridge.machine.process import NOTE
+
+MCL_CURRENT_AND_FUTURE = 3
+FIFO_PRIORITY = 30
+GREEDY = 1_000_000  # [us] of processor without a pause after which SCHED_FIFO is given back: others must live
+YIELDING = 5  # niceness of who only listens, where the loop itself has ordinary priority
+ORDINARY = "ordinary"
+
+
+class Priority(StrEnum):
+    """What a process asks for."""
+
+    AUTO = "auto"  # SCHED_FIFO and locked memory in real time, where the system grants them and has two processors
+    FIFO = "fifo"  # the same in any mode; what is refused is told
+    ORDINARY = "ordinary"
+
+
+def take(asked: Priority, is_paced: bool) -> str:
+    """Take what is asked for, for every thread; returns in words what was granted.
+
+    Call it when everything is compiled: a compiler at real-time priority would hold up the machine. is_paced: does the
+    process follow a clock? Without one there is nothing to be late for.
+    """
+    if asked == Priority.ORDINARY or (asked == Priority.AUTO and not (is_paced and _processors() > 1)):
+        return ORDINARY
+    try:
+        _schedule(os.SCHED_FIFO, FIFO_PRIORITY)
+    except (OSError, AttributeError) as error:
+        if asked == Priority.FIFO:
+            _tell(f"SCHED_FIFO refused ({error}): running at ordinary priority; run as root or raise `ulimit -r`")
+        return ORDINARY
+    _give_back_when_greedy()
+    if ctypes.CDLL(None).mlockall(MCL_CURRENT_AND_FUTURE) == 0:
+        return f"SCHED_FIFO {FIFO_PRIORITY}, memory locked"
+    if asked == Priority.FIFO:
+        _tell("mlockall refused: pages may be swapped; raise `ulimit -l` to get it")
+    return f"SCHED_FIFO {FIFO_PRIORITY}"
+
+
+def stand_back() -> None:
+    """Of a recorder or follower: leave the processor to the loop where the loop cannot take it by SCHED_FIFO."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    except (OSError, AttributeError):
+        os.nice(YIELDING)
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+
+
+def _schedule(policy: int, priority: int) -> None:
+    """All threads of this process: those of the middleware are there already. Later ones inherit."""
+    for thread in Path("/proc/self/task").iterdir():
+        os.sched_setscheduler(int(thread.name), policy, os.sched_param(priority))
+
+
+def _give_back_when_greedy() -> None:
+    """The kernel tells of a thread that has not paused for GREEDY; a law that never returns must not stop a machine."""
+    import resource
+
+    signal.signal(signal.SIGXCPU, _give_back)
+    resource.setrlimit(resource.RLIMIT_RTTIME, (GREEDY, resource.getrlimit(resource.RLIMIT_RTTIME)[1]))
+
+
+def _give_back(*_: object) -> None:
+    _schedule(os.SCHED_OTHER, 0)
+    words = f"computed for {GREEDY / 1e6:g} s without a pause: SCHED_FIFO is given back, ordinary priority from here on"
+    os.write(2, f"{NOTE}{words}\n".encode())
+
+
+def _tell(words: str) -> None:
+    print(f"{NOTE}{words}", file=sys.stderr, flush=True)

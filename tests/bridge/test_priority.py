@@ -1,0 +1,120 @@
+"""The priority of the loop's processes, as the kernel says it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from bridge.machine import priority
+from bridge.machine.priority import ORDINARY, Priority, stand_back, take
+from bridge.recording.reader import read
+from tests.support.processes import COARSE, ENVIRONMENT, LOOSE, hydrotwin
+
+GRANTED = (
+    subprocess.run([sys.executable, "-c", "import os; os.sched_setscheduler(0, 1, os.sched_param(30))"]).returncode == 0
+)
+needs_fifo = pytest.mark.skipif(not GRANTED, reason="SCHED_FIFO is refused here: root or `ulimit -r 30` has it")
+needs_two = pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="auto wants two processors")
+
+
+def in_a_process(code: str) -> str:
+    """Standard output and error of Python code in a process of its own: priorities are not to be kept here."""
+    head = "import os, threading, time\nfrom bridge.machine import priority\nfrom bridge.machine.priority import *\n"
+    command = [sys.executable, "-c", head + code]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=30, env=ENVIRONMENT)
+    assert done.returncode == 0, done.stderr
+    return done.stdout + done.stderr
+
+
+@needs_fifo
+def test_every_thread_gets_it_those_that_are_there_and_those_that_come():
+    found = in_a_process(
+        "def policy(): found.append(os.sched_getscheduler(threading.get_native_id()))\n"
+        "def early(): go.wait(); policy()\n"
+        "found, go = [], threading.Event()\n"
+        "threads = [threading.Thread(target=early)]; threads[0].start()\n"
+        "take(Priority.FIFO, True); threads.append(threading.Thread(target=policy)); threads[1].start(); go.set()\n"
+        "[thread.join() for thread in threads]; policy(); print(found == [os.SCHED_FIFO] * 3)"
+    )
+    assert "True" in found
+
+
+@needs_fifo
+def test_who_computes_without_a_pause_gives_it_back_and_says_so():
+    found = in_a_process(
+        "priority.GREEDY = 200_000; take(Priority.FIFO, True); end = time.monotonic() + 10\n"
+        "while os.sched_getscheduler(0) == os.SCHED_FIFO and time.monotonic() < end: pass\n"
+        "print(os.sched_getscheduler(0) == os.SCHED_OTHER)"
+    )
+    assert "True" in found
+    assert "SCHED_FIFO is given back" in found
+
+
+@needs_fifo
+def test_who_pauses_keeps_it():
+    found = in_a_process(
+        "priority.GREEDY = 200_000; take(Priority.FIFO, True); end = time.process_time() + 0.6\n"
+        "while time.process_time() < end:\n"
+        "    until = time.process_time() + 0.05\n"
+        "    while time.process_time() < until: pass\n"
+        "    time.sleep(0.001)\n"
+        "print(os.sched_getscheduler(0) == os.SCHED_FIFO)"
+    )
+    assert "True" in found
+    assert "given back" not in found
+
+
+@pytest.mark.parametrize(("asked", "is_paced"), [(Priority.ORDINARY, True), (Priority.AUTO, False)])
+def test_ordinary_is_left_as_it_was(asked: Priority, is_paced: bool):
+    before = os.sched_getscheduler(0)
+    assert take(asked, is_paced) == ORDINARY
+    assert os.sched_getscheduler(0) == before
+
+
+@pytest.mark.parametrize("asked", [Priority.AUTO, Priority.FIFO])
+def test_what_is_refused_is_told_to_whoever_has_asked_for_it(
+    asked: Priority, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    def refused(*_: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(os, "sched_setscheduler", refused)
+    monkeypatch.setattr(priority, "_processors", lambda: 2)
+    assert take(asked, is_paced=True) == ORDINARY
+    assert ("SCHED_FIFO refused" in capsys.readouterr().err) == (asked == Priority.FIFO)
+
+
+def test_one_processor_is_left_to_others(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(priority, "_processors", lambda: 1)
+    assert take(Priority.AUTO, is_paced=True) == ORDINARY
+
+
+@pytest.mark.parametrize("is_granted", [True, False])
+def test_a_recorder_is_nicer_only_where_the_loop_has_no_right_of_way(is_granted: bool, monkeypatch: pytest.MonkeyPatch):
+    asked: list[int] = []
+
+    def schedule(*_: object) -> None:
+        if not is_granted:
+            raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(os, "sched_setscheduler", schedule)
+    monkeypatch.setattr(os, "nice", asked.append)
+    stand_back()
+    assert asked == ([] if is_granted else [priority.YIELDING])
+
+
+@needs_fifo
+@needs_two
+@pytest.mark.timed
+def test_a_run_says_what_was_granted_and_so_does_its_recording(tmp_path: Path):
+    file = tmp_path / "a.mcap"
+    done = hydrotwin("run", "step", "--duration", "0.2 s", "--record", str(file), *COARSE, *LOOSE)
+    line = next(line for line in done.stdout.splitlines() if line.startswith("priority"))
+    assert line.startswith("priority   SCHED_FIFO 30")
+    assert read(file).metadata["run"]["host"]["priority"] in line
+    done = hydrotwin(
+        "run", "step", "--duration", "0.2 s", "--record", str(file), "--priority", "ordinary", *COARSE, *LOOSE
+    )
+    assert "priority   ordinary" in done.stdout
