@@ -85,7 +85,8 @@ class PlantProcess:
         self._sent: dict[int, int] = {}  # stamp of a sample -> when its measurement went out
         self._status_due = 0
         self._timings = 0
-        self._facts: dict[str, Any] = {"versions": versions(), "host": host(), **law_facts(scenario.controller)}
+        granted = {"priority": take(options.priority, options.mode == Mode.REALTIME)}
+        self._facts = {"versions": versions(), "host": host() | granted, **law_facts(scenario.controller)}
         self._narrator = Narrator(options.quiet)
         self._telling = Telling(self._narrator, is_live=isinstance(scenario.reference, Live))
         self._settled = 0.0
@@ -104,16 +105,12 @@ class PlantProcess:
             bus.subscribe("target", lambda sample: self._targets.put(sample.payload.to_bytes()))
         bus.subscribe("reset", lambda *_: self._commands.put(None))
         bus.watch()
-        granted = take(options.priority, options.mode == Mode.REALTIME)
-        self._facts["host"] |= {"priority": granted}
         bus.announce()
 
     def run(self) -> Ending:
         """Run to the end; returns what ended it. Raises RunError when a partner does not come or does not answer."""
-        granted = f"priority {self._facts['host']['priority']}"
-        self._narrator.say(
-            f"plant of rig {self.bus.rig_name!r}, {self.bus.place}: scenario {self.scenario.name!r}, {granted}"
-        )
+        who = f"plant of rig {self.bus.rig_name!r}, {self.bus.place}: scenario {self.scenario.name!r}"
+        self._narrator.say(f"{who}, priority {self._facts['host']['priority']}")
         missing = self.bus.await_roles(self.options.partners, self.options.patience, self.stop)
         if missing and not self.stop():
             raise RunError(f"no {' and no '.join(missing)} within {self.options.patience:g} s of the start")
