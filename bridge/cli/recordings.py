@@ -57,6 +57,12 @@ def export(
     csv: Annotated[bool, typer.Option("--csv", help="One CSV file per channel.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="One Parquet file per channel.")] = False,
     mat: Annotated[bool, typer.Option("--mat", help="A MATLAB file, one structure per channel.")] = False,
+    mdf: Annotated[
+        bool, typer.Option("--mdf", help="An MDF 4 file, one channel group per topic; needs the extra `logs`.")
+    ] = False,
+    rosbag2: Annotated[
+        bool, typer.Option("--rosbag2", help="A bag of ROS 2: a folder with the messages in MCAP and metadata.yaml.")
+    ] = False,
     topics: TOPICS = None,
     absolute: Annotated[
         bool, typer.Option("--absolute", help="Absolute pressures: gauge and 1 bar of ambient.")
@@ -69,16 +75,21 @@ def export(
     """Write a recording for other programs, units in the headers."""
     there(file)
     from bridge.recording.choice import choose
+    from bridge.recording.export import BAG, ENDINGS, MDF
     from bridge.recording.export import export as write
     from bridge.recording.reader import read
     from bridge.wire.messages import TOPICS as OURS
 
-    forms = [name for name, asked in (("csv", csv), ("parquet", parquet), ("mat", mat)) if asked]
+    asked = {"csv": csv, "parquet": parquet, "mat": mat, MDF: mdf, BAG: rosbag2}
+    forms = [name for name, wanted in asked.items() if wanted]
     if len(forms) != 1:
-        raise UsageError("export: name one of --csv, --parquet, --mat")
+        raise UsageError(f"export: name one of {', '.join(f'--{name}' for name in asked)}")
+    (form,) = forms
+    if rosbag2 and absolute:
+        raise UsageError("--absolute: a bag holds the messages as they are, in gauge; leave it out")
     recording = read(file)
     chosen = sorted(choose([topic for topic in recording.counts if topic in OURS], topics))
-    paths = write(recording, chosen, forms[0], output or file.with_suffix(".mat" if mat else ""), absolute)
+    paths = write(recording, chosen, form, output or file.with_suffix(ENDINGS.get(form, "")), absolute)
     if as_json:
         print_json([str(path) for path in paths])
     else:

@@ -1,4 +1,4 @@
-"""Recordings for other programs: CSV and Parquet, a file for each channel, and MATLAB, one for all."""
+"""Recordings for other programs: CSV and Parquet, a file for each channel; MATLAB and MDF, one for all; a rosbag2."""
 
 import re
 from collections.abc import Callable
@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from bridge.errors import UsageError, writing
+from bridge.recording.mdf import ENDING as MDF_ENDING
+from bridge.recording.mdf import write_mdf
 from bridge.recording.reader import Recording
 from bridge.recording.tables import Column, table
 
@@ -15,14 +17,20 @@ Writer = Callable[[dict[str, list[Column]], Path], list[Path]]
 
 
 def export(recording: Recording, topics: list[str], form: str, output: Path, absolute: bool = False) -> list[Path]:
-    """Write topics to a folder (csv, parquet) or to a file (mat); the files written.
+    """Write topics to a folder (csv, parquet, rosbag2) or to a file (mat, mdf); the files written.
 
     absolute: pressures above a vacuum, not gauge.
     """
+    if form == BAG:
+        from bridge.recording.rosbag2 import write_bag
+
+        return write_bag(recording, topics, output)
     tables = {topic: table(recording, topic, absolute) for topic in topics if recording.counts.get(topic)}
     if not tables:
         raise UsageError(f"{recording.path}: there is nothing in it to export")
     with writing(output):
+        if form == MDF:
+            return write_mdf(recording, tables, output)
         return FORMS[form](tables, output)
 
 
@@ -88,3 +96,5 @@ def _in_folder(tables: dict[str, list[Column]], folder: Path, ending: str) -> li
 
 
 FORMS: dict[str, Writer] = {"csv": _csv, "parquet": _parquet, "mat": _mat}
+BAG, MDF = "rosbag2", "mdf"  # forms that need more of a recording than its tables
+ENDINGS = {"mat": ".mat", MDF: MDF_ENDING}  # of forms that are one file; the others are folders

@@ -19,6 +19,7 @@ INSTANTS = {"command": "sample_stamp"}  # of others "stamp"
 IDENTITY = ("run_id", "source", "sequence", "tick", "stamp", "sample_stamp")
 _COMMENT = re.compile(r"^\S+ (\w+)\s*#(.*)$", re.MULTILINE)
 _UNIT = re.compile(r"\[([^\]]+)\]")
+_UNITS = re.compile(r"\s*\[[^\]]+\]")  # with the blank before it
 
 
 class Signal(NamedTuple):
@@ -51,6 +52,14 @@ def units_in(recording: Recording, topic: str) -> dict[str, str]:
     if topic == CHANNELS_TOPIC:
         return units(topic) | {field.name: field.unit for field in recording.layout()}
     return units(topic) | (own_units(recording) if topic == OWN_SIGNALS else {})
+
+
+def comments_in(recording: Recording, topic: str) -> dict[str, str]:
+    """What the message table says of the fields of a topic besides their units, of those of which it says anything."""
+    said = {name: _UNITS.sub("", comment, count=1) for name, comment in _COMMENT.findall(_text(topic))}
+    if topic == CHANNELS_TOPIC:
+        said |= {field.name: field.note for field in recording.layout()}
+    return {name: words for name, text in said.items() if (words := text.strip(" ,:;"))}
 
 
 def has_columns(topic: str) -> bool:

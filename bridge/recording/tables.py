@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.recording.reader import Recording
-from bridge.recording.signals import has_columns, units_in
+from bridge.recording.signals import comments_in, has_columns, units_in
 from bridge.scenario.units import AMBIENT
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, of_tap
 from controller.grid import NS
@@ -22,6 +22,7 @@ class Column(NamedTuple):
     name: str
     unit: str  # "" where there is none
     values: Any  # array of numbers, or list of texts
+    comment: str = ""  # what the message table says of it
 
     @property
     def header(self) -> str:
@@ -44,12 +45,14 @@ def table(recording: Recording, topic: str, absolute: bool = False) -> list[Colu
         rows = [dict(_flat(message)) for message in recording.messages(topic)]
         names = dict.fromkeys(name for row in rows for name in row)
         rest = [_column(name, known.get(name.partition("[")[0], ""), [row.get(name) for row in rows]) for name in names]
+    said = comments_in(recording, topic)
+    rest = [column._replace(comment=said.get(column.name.partition("[")[0], "")) for column in rest]
     lifted = map(_absolute, rest) if absolute and (topic in GAUGE or topic.startswith(of_tap(""))) else rest
     return [Column("time", "s", time), *lifted]
 
 
 def _absolute(column: Column) -> Column:
-    return Column(column.name, "Pa abs", column.values + AMBIENT) if column.unit == "Pa" else column
+    return column._replace(unit="Pa abs", values=column.values + AMBIENT) if column.unit == "Pa" else column
 
 
 def _column(name: str, unit: str, values: list[Any]) -> Column:
