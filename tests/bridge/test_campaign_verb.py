@@ -54,11 +54,18 @@ def table(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
 
 
-def test_a_row_is_what_a_single_run_says(tmp_path: Path):
-    """The run with the push and the second gain, asked for by hand: its bands and metrics are those of the row."""
-    done = hydrotwin_here("campaign", write(tmp_path, WHOLE), *ONE, "-o", "c", cwd=tmp_path)
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the whole campaign leaves."""
+    folder = tmp_path_factory.mktemp("whole")
+    done = hydrotwin_here("campaign", write(folder, WHOLE), *ONE, "-o", "c", cwd=folder)
     assert done.returncode == 1, done.stderr
-    rows = table(tmp_path / "c/campaign.csv")
+    return folder / "c"
+
+
+def test_a_row_is_what_a_single_run_says(whole: Path):
+    """The run with the push and the second gain, asked for by hand: its bands and metrics are those of the row."""
+    rows = table(whole / "campaign.csv")
     assert [(row["fault"], row["controller.gain"]) for row in rows] == [
         *(("none", "1 V/%"), ("none", "2 V/%")),
         *(("push", "1 V/%"), ("push", "2 V/%")),
@@ -72,23 +79,21 @@ def test_a_row_is_what_a_single_run_says(tmp_path: Path):
     assert rows[3]["passed"] == "no"
 
 
-def test_junit_names_runs_bands_and_requirements(tmp_path: Path):
-    hydrotwin_here("campaign", write(tmp_path, WHOLE), *ONE, "-o", "c", cwd=tmp_path)
-    suites = ET.parse(tmp_path / "c/campaign.xml").getroot()
-    rows = table(tmp_path / "c/campaign.csv")
+def test_junit_names_runs_bands_and_requirements(whole: Path):
+    suites = ET.parse(whole / "campaign.xml").getroot()
+    rows = table(whole / "campaign.csv")
     assert [suite.get("name") for suite in suites][3] == "step / push / controller.gain=2 V/% / seed 1"
     assert [int(suite.get("failures", "0")) > 0 for suite in suites] == [row["passed"] == "no" for row in rows]
     properties = {(p.get("name"), p.get("value")) for p in suites.iter("property")}
     assert {("requirement", "HYD-7"), ("requirement text", "stays near")} <= properties
 
 
-def test_the_page_stands_alone_and_shows_the_worst_first(tmp_path: Path):
-    hydrotwin_here("campaign", write(tmp_path, WHOLE), *ONE, "-o", "c", cwd=tmp_path)
-    page = (tmp_path / "c/campaign.html").read_text()
+def test_the_page_stands_alone_and_shows_the_worst_first(whole: Path):
+    page = (whole / "campaign.html").read_text()
     assert not re.search(r'(src|href)="?(https?:|//|[\w/]+\.\w+)', page.replace("http://www.w3.org", ""))
     assert page.count("<svg") >= page.count("<h3") >= 1
     shown = [int(number) for number in re.findall(r"<h3 id='run(\d+)'", page)]
-    rows = {int(row["run"]): row for row in table(tmp_path / "c/campaign.csv")}
+    rows = {int(row["run"]): row for row in table(whole / "campaign.csv")}
     assert all(rows[number]["passed"] == "no" for number in shown)
     assert "somebody leans on it" in page
 

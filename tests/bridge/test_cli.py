@@ -14,8 +14,9 @@ from typer.testing import CliRunner
 
 from bridge.cli.catalogue import VERBS as CATALOGUE
 from bridge.cli.verbs import app
+from bridge.scenario.files import plain
 from tests.support.command import hydrotwin_here
-from tests.support.processes import ENVIRONMENT, ROOT, hydrotwin
+from tests.support.processes import ENVIRONMENT, ROOT, UNDRAWN, hydrotwin
 
 VERBS = (
     *("run", "check", "scenarios", "schema", "plant", "controller", "record", "router", "reset"),
@@ -76,7 +77,7 @@ def test_every_verb_explains_itself(verb):
         ("run", "step", "--set", "loop.daq_period=0.0001", "--set", "loop.viewer_period=0.01"),
         ("digest", "nonsense.mcap"),
         ("figure", "nonsense"),
-        ("check", "step", "nonsense"),
+        ("check", "step", "nonsense", "--set", "duration=0.1"),
     ],
 )
 def test_wrong_use_exits_with_two_and_without_a_traceback(words, tmp_path):
@@ -93,7 +94,7 @@ def test_a_process_says_wrong_use_like_the_verb_called_here(tmp_path):
 
 
 def test_run_in_process_leaves_recording_picture_and_summary(tmp_path):
-    done = hydrotwin("run", "step", "--mode", "inprocess", "--duration", "3", "--json", "s.json", cwd=tmp_path)
+    done = hydrotwin("run", "step", "--mode", "inprocess", "--duration", "1.5", "--json", "s.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "s.json").read_text())
     assert found["metrics"]["rise_time"] == pytest.approx(0.13, abs=0.03)
@@ -110,7 +111,7 @@ def test_run_prints_json_when_asked(tmp_path):
 
 def test_seed_and_set_change_the_run(tmp_path):
     for name, words in (("a", ()), ("b", ("--seed", "2")), ("c", ("--set", "controller.gain=0.5"))):
-        run = ("run", "step", "--mode", "inprocess", "--duration", "1.5", "--record", f"{name}.mcap", *words)
+        run = ("run", "step", "--mode", "inprocess", "--duration", "1.2", "--record", f"{name}.mcap", *words, *UNDRAWN)
         assert hydrotwin_here(*run, cwd=tmp_path).returncode == 0
     assert hydrotwin_here("digest", "a.mcap", "a.mcap", cwd=tmp_path).returncode == 0
     for other in ("b.mcap", "c.mcap"):
@@ -121,7 +122,8 @@ def test_seed_and_set_change_the_run(tmp_path):
 
 
 def test_check_passes_good_scenarios_and_writes_junit(tmp_path):
-    done = hydrotwin_here("check", "step", "slow-sampling", "delay", "--junit", "j.xml", cwd=tmp_path)
+    words = ("step", "slow-sampling", "delay", "--set", f"duration={SHORTER['delay']} s", "--junit", "j.xml")
+    done = hydrotwin_here("check", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stdout
     root = ET.parse(tmp_path / "j.xml").getroot()
     assert [suite.get("name") for suite in root] == ["step", "slow-sampling", "delay"]
@@ -130,7 +132,8 @@ def test_check_passes_good_scenarios_and_writes_junit(tmp_path):
 
 
 def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
-    done = hydrotwin_here("check", "step", "--set", "controller.gain=8", "--junit", "j.xml", cwd=tmp_path)
+    words = ("step", "--set", "controller.gain=8", "--set", "duration=3", "--junit", "j.xml")
+    done = hydrotwin_here("check", *words, cwd=tmp_path)
     assert done.returncode == 1
     assert "limit cycle amplitude <= 0.4 mm" in done.stdout
     assert "FAILED" in done.stdout
@@ -138,12 +141,27 @@ def test_check_fails_a_detuned_loop_with_a_reason(tmp_path):
     assert any("mm, at" in message and "Hz" in message for message in messages)
 
 
-SHORTER = {"hold-load": ("--set", "duration='300 s'")}  # as far as its bands go; whole among the long trials
+SHORTER = {  # [s], where the bands judge the same; whole among the long trials
+    "step": 4,
+    "slow-sampling": 5,
+    "delay": 5,
+    "square": 9,
+    "sine": 6,
+    "pid": 6,
+    "relay": 3,
+    "hold-load": 40,
+}
+
+
+def sooner(name: str) -> tuple[str, ...]:
+    """Changes that shorten a built-in scenario, and the windows of its bands that would reach beyond."""
+    bands = [re.sub(r"to 300 s", f"to {SHORTER[name]} s", band) for band in plain(name)["expect"]]
+    return ("--set", f"duration={SHORTER[name]} s", "--set", f"expect={bands}")
 
 
 @pytest.mark.parametrize("name", ["square", "sine", "hold-load", "pid", "relay"])
 def test_check_passes_the_other_built_in_scenarios(name, tmp_path):
-    done = hydrotwin_here("check", name, *SHORTER.get(name, ()), cwd=tmp_path)
+    done = hydrotwin_here("check", name, *sooner(name), cwd=tmp_path)
     assert done.returncode == 0, done.stdout
 
 
@@ -158,9 +176,10 @@ def test_check_passes_the_long_scenarios_whole(name, tmp_path):
 def test_the_stable_gain_of_slow_sampling_is_stable_at_a_millisecond(tmp_path):
     """Apart from the hops across the overlap, which the compensation makes of the least error whatever the gain."""
     hops = "expect=['limit cycle amplitude <= 0.4 mm']"
-    fast = ("--set", "loop.sample_period=0.001", "--set", hops)
+    short = ("--set", f"duration={SHORTER['delay']} s", "--set", hops)
+    fast = ("--set", "loop.sample_period=0.001", *short)
     assert hydrotwin_here("check", "slow-sampling", *fast, cwd=tmp_path).returncode == 0
-    prompt = ("--set", "loop.delay=0", "--set", hops)
+    prompt = ("--set", "loop.delay=0", *short)
     assert hydrotwin_here("check", "delay", *prompt, cwd=tmp_path).returncode == 0
 
 

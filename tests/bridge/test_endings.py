@@ -18,8 +18,9 @@ from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.studies.sweep.crew import local
 from bridge.wire.link import free_endpoint
+from tests.support.command import hydrotwin_here
 from tests.support.endings import ENDINGS, TERMINAL, Ended, Ending, end
-from tests.support.processes import ENVIRONMENT, hydrotwin, wait_for
+from tests.support.processes import ENVIRONMENT, UNDRAWN, wait_for
 
 STARTED = 1.0  # [s] in which Python itself starts, whatever the machine is doing
 DEAF = "import signal, time; [signal.signal(n, signal.SIG_IGN) for n in (1, 2, 15)]; time.sleep(60)"
@@ -116,7 +117,7 @@ def test_files_in_the_working_folder_get_in_nobodys_way(tmp_path: Path):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("raise SystemExit('imported by mistake')\n")
     command = Path(sys.executable).with_name("hydrotwin")
-    words = ["run", "step", "--mode", "lockstep", "--duration", "0.05", "--record", "a.mcap", "--json", "a.json"]
+    words = ["run", "step", "--mode", "lockstep", "--duration", "0.05", "--record", "a.mcap", *UNDRAWN]
     done = subprocess.run([command, *words], cwd=tmp_path, capture_output=True, text=True, timeout=110)
     assert done.returncode == 0, done.stdout + done.stderr
     assert read(tmp_path / "a.mcap").complete
@@ -139,11 +140,12 @@ def test_a_run_that_leaves_no_recording_is_never_good(tmp_path: Path):
     assert path.read_bytes() == before
 
 
+@pytest.mark.timeout(60)
 def test_a_check_with_a_long_delay_takes_seconds(tmp_path: Path):
     long = ("--set", "duration=1", "--set", "loop.delay=4")
-    done = hydrotwin("check", "step", *long, "-o", str(tmp_path), timeout=60)
+    done = hydrotwin_here("check", "step", *long, "-o", "c", cwd=tmp_path)
     assert "limit cycle" in done.stdout
-    done = hydrotwin("run", "step", "--mode", "inprocess", *long, "--record", str(tmp_path / "a.mcap"), timeout=60)
+    done = hydrotwin_here("run", "step", "--mode", "inprocess", *long, "--record", "a.mcap", cwd=tmp_path)
     assert "if its unit is missing" in done.stdout.replace("\n", " ")
 
 
@@ -188,9 +190,7 @@ def assert_ended(found: Ended) -> None:
         ("run", TERMINAL, 1.0),
         ("run", signal.SIGTERM, 0.0),
         ("view FILE --web", signal.SIGHUP, 0.0),
-        ("view FILE --web", signal.SIGKILL, 1.0),
         ("replay FILE", signal.SIGINT, 3.0),
-        ("replay --into controller", signal.SIGKILL, 0.3),
         ("map", signal.SIGINT, 0.5),
     ],
 )

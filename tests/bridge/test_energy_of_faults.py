@@ -6,14 +6,17 @@ import numpy as np
 import pytest
 
 from bridge.runs.in_process import run_in_memory
+from bridge.scenario import Scenario
 from tests.bridge.test_plant_faults import RIG_KINDS
 from tests.support.energy_book import Book, energy_of
-from tests.support.faults import BEGIN, END, faulty, one
+from tests.support.faults import faulty, one
 
 LUMPED = tuple(f"rig.pipe_{i}.model=lumped" for i in range(1, 7))
 WAVES = tuple(f"rig.pipe_{i}.{what}" for i in range(1, 7) for what in ("model=ends", "friction=none"))
 LACKING = 1e-5  # of all that came in, at 50 us: the scheme's error, order 2, and 1 where a land shuts or a cavity opens
 OF_FIT = 1e-4  # the same with waves: lines of `ends` are fitted to 0.002 of a wave in the mean
+SHORT = 0.15, 0.25, 0.3  # [s]: begin and end of a fault while the piston is on its way, and of the run
+LONG = {("oil", "air"): (0.2, 0.5, 0.6)}  # where there is pressure that the oil's compliance makes energy of
 NEEDED = {  # the entry without which the book of a fault would not close, and its sign
     ("oil", "air"): ("given", 1.0),
     ("load", "jump"): ("given", -1.0),
@@ -26,8 +29,13 @@ NEEDED = {  # the entry without which the book of a fault would not close, and i
 
 @cache
 def book_of(target: str, kind: str, changes: tuple[str, ...], step: str = "50 us") -> Book:
-    sizes = RIG_KINDS[target, kind][0]
-    return energy_of(faulty(one(target, kind, sizes), changes=(*changes, f"loop.step={step}"), duration=0.6))
+    return energy_of(run_with(target, kind, (*changes, f"loop.step={step}")))
+
+
+def run_with(target: str, kind: str, changes: tuple[str, ...]) -> Scenario:
+    begin, end, duration = LONG.get((target, kind), SHORT)
+    window = f'at="{begin} s", lasts="{end - begin:g} s"'
+    return faulty(one(target, kind, RIG_KINDS[target, kind][0], window), changes=changes, duration=duration)
 
 
 def lacking(book: Book, **signs: float) -> float:
@@ -66,11 +74,12 @@ def test_only_what_changes_a_store_gives_energy_by_itself(target: str, kind: str
 
 def test_a_mass_that_comes_brings_its_motion_and_its_height():
     """And takes them as it goes: (v^2/2 + g x) of 60 kg, at both instants."""
-    book, half = book_of("load", "jump", LUMPED), round(0.5 * (BEGIN + END) / 50e-6)
-    state = run_in_memory(faulty(one("load", "jump", RIG_KINDS["load", "jump"][0]), changes=LUMPED)).columns("state")
+    begin, end, _ = SHORT
+    book, half = book_of("load", "jump", LUMPED), round(0.5 * (begin + end) / 50e-6)
+    state = run_in_memory(run_with("load", "jump", LUMPED)).columns("state")
     of = [
         60.0 * (0.5 * state["velocity"][k] ** 2 + 9.81 * state["position"][k])
-        for k in (round(BEGIN * 1e3), round(END * 1e3))
+        for k in (round(begin * 1e3), round(end * 1e3))
     ]
     assert book.given[half] == pytest.approx(of[0], rel=1e-12)
     assert book.given[-1] == pytest.approx(of[0] - of[1], rel=1e-9)

@@ -15,7 +15,7 @@ from bridge.processes.supervisor import Supervisor
 from bridge.scenario import load
 from bridge.wire.messages import Mode
 from tests.support.kills import PHASES, ROLES, Killed, kill_one
-from tests.support.processes import with_signal
+from tests.support.processes import IMPATIENT, with_signal
 
 KILLS = 50  # of each process in each phase
 
@@ -34,11 +34,10 @@ def assert_in_order(found: Killed, role: str, phase: str) -> None:
     assert killed or phase == "ending"
 
 
-@pytest.mark.timed
 @pytest.mark.parametrize("role", ["plant", "record", "router"])
 def test_a_kill_is_named_in_one_line_and_the_recording_is_there(tmp_path: Path, role: str):
     """Controller and supervisor: test_processes.py."""
-    assert_in_order(kill_one(role, "running", random.Random(3), tmp_path), role, "running")
+    assert_in_order(kill_one(role, "running", random.Random(3), tmp_path, IMPATIENT), role, "running")
 
 
 def supervisor(folder: Path) -> Supervisor:

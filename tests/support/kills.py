@@ -15,11 +15,21 @@ from bridge.errors import RunError, UsageError
 from bridge.machine.guard import marked
 from bridge.recording.reader import read
 from bridge.recording.recover import recover
-from tests.support.processes import COARSE, ENVIRONMENT, LOOSE, UNDRAWN, child, grown, wait_for, with_signal
+from tests.support.processes import (
+    COARSE,
+    ENVIRONMENT,
+    HYDROTWIN,
+    LOOSE,
+    UNDRAWN,
+    child,
+    grown,
+    wait_for,
+    with_signal,
+)
 
 PHASES = ("starting", "running", "ending")
 ROLES = ("plant", "controller", "record", "supervisor", "router")
-DURATION = 1.0  # [s] of a run
+DURATION = {"starting": 1.0, "running": 20.0, "ending": 1.0}  # [s] of a run; one that runs does not end before
 ROUTED = '--set=fault=[{target="process.network", kind="freeze", at="0.9 s", lasts="1 ms", probability=0}]'
 PATIENCE = 40.0  # [s] for the run to end, and for all to be gone
 BEGUN = 3000  # [bytes] of a recording with its first chunk
@@ -34,10 +44,10 @@ class Killed(NamedTuple):
     left: list[int]  # processes
 
 
-def kill_one(role: str, phase: str, rng: random.Random, folder: Path) -> Killed:
+def kill_one(role: str, phase: str, rng: random.Random, folder: Path, program: tuple[str, ...] = HYDROTWIN) -> Killed:
     """Kill one process of a run at a random moment of a phase."""
     path = folder / "run.mcap"
-    with _run(path) as (run, mark):
+    with _run(path, DURATION[phase], program) as (run, mark):
         victim = run.pid if role == "supervisor" else child(run.pid, role, PATIENCE)
         _await(phase, path, run, rng)
         with_signal(victim, signal.SIGKILL)
@@ -53,7 +63,7 @@ def _await(phase: str, path: Path, run: subprocess.Popen[str], rng: random.Rando
         time.sleep(rng.uniform(0.0, 1.0))
         return
     wait_for(lambda: grown(path, BEGUN) or run.poll() is not None, PATIENCE)
-    time.sleep(rng.uniform(0.0, 0.6) if phase == "running" else rng.uniform(0.8, 1.5) * DURATION)
+    time.sleep(rng.uniform(0.0, 0.6) if phase == "running" else rng.uniform(0.8, 1.5) * DURATION["ending"])
 
 
 def _found(path: Path) -> str:
@@ -75,11 +85,11 @@ def _found(path: Path) -> str:
 
 
 @contextmanager
-def _run(path: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+def _run(path: Path, duration: float, program: tuple[str, ...]) -> Iterator[tuple[subprocess.Popen[str], str]]:
     name, value = "HYDROTWIN_TEST", secrets.token_hex(16)
-    words = ["run", "step", "--set", f"duration={DURATION}", *COARSE, *LOOSE, ROUTED, "--record", str(path), *UNDRAWN]
+    words = ["run", "step", "--set", f"duration={duration}", *COARSE, *LOOSE, ROUTED, "--record", str(path), *UNDRAWN]
     process = subprocess.Popen(
-        [sys.executable, "-m", "bridge", *words],
+        [sys.executable, *program, *words],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
