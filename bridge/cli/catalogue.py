@@ -73,6 +73,11 @@ VERBS = {
         "Show a recording, or without FILE a running plant, in Rerun: the rig in 3-D, curves, maps of the pipes, "
         "events.",
     ),
+    "panel": Verb(
+        LOOK,
+        "panel:panel",
+        "Watch and operate a rig from a page in the browser: live circuit, curves, numbers, faults, safety, health.",
+    ),
     "report": Verb(
         LOOK,
         "looking:report",

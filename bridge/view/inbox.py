@@ -5,6 +5,7 @@ the wire would cost the plant time.
 """
 
 import struct
+from collections.abc import Iterable
 from typing import Any
 
 import zenoh
@@ -48,10 +49,10 @@ class Inbox:
         return [entry for entry in entries if _sound(entry)]
 
 
-def inbox(bus: Bus) -> Inbox:
+def inbox(bus: Bus, topics: Iterable[str] = WATCHED) -> Inbox:
     """The inbox of a rig on a bus."""
     ring = zenoh.handlers.RingChannel
-    return Inbox({t: bus.session.declare_subscriber(f"{bus.rig_name}/{t}", ring(MOST)) for t in WATCHED})
+    return Inbox({t: bus.session.declare_subscriber(f"{bus.rig_name}/{t}", ring(MOST)) for t in topics})
 
 
 def _sound(entry: Entry) -> bool:

@@ -21,6 +21,7 @@ from bridge.wire.link import Link, open_session
 from bridge.wire.messages import TOPICS, Outgoing, Phase, Topic, encoding
 
 STAMP = struct.Struct("<qQ")  # attachment: log time, sequence
+PEOPLE = ("viewer", "operator")  # roles that do not look at the length of each message as it comes
 Receiver = Callable[[Any], None]  # takes a Zenoh sample
 
 
@@ -52,7 +53,7 @@ class Bus:
         self.place = f"listening on {link.listen}" if link.listen else f"connected to {link.connect or link.config}"
         self.role = role
         self.turned = turned or Turned()  # what arrived and was turned away
-        self.session = open_session(link, lease=lease, only_short=role == "viewer")
+        self.session = open_session(link, lease=lease, only_short=role in PEOPLE)
         self.present: dict[str, set[str]] = {}
         self.changed = threading.Condition()
         self._publishers: dict[str, Any] = {}

@@ -90,6 +90,16 @@ def free_endpoint() -> str:
     )
 
 
+def is_free(endpoint: str) -> bool:
+    """Does nobody listen on a loopback endpoint such as DEFAULT_ENDPOINT?"""
+    host, _, port = endpoint.partition("/")[2].rpartition(":")
+    with suppress(OSError), socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        probe.bind((host, int(port)))
+        return True
+    return False
+
+
 def _configuration(link: Link, mode: str | None) -> Any:
     config = _base(link.config)
     if mode or link.listen or link.connect:

@@ -1,9 +1,10 @@
 """Symbols of what a drive may have beside the rig of the thesis: accumulator, accessories, motor, loads, return end."""
 
 from bridge.drawing.canvas import Axes
-from bridge.figures.circuit.symbols import INK, OIL, arrow, box, circle, dot, shape, spring, text, thin
+from bridge.figures.circuit.symbols import INK, OIL, arrow, box, circle, dot, part_of, shape, spring, text, thin
 from bridge.scenario.fitted import Values, kind_of, word
 
+TURNING = "turning"  # the part of the picture that turns when it is live
 ROD, METAL, GAS, GREEN = "#c9d1d9", "#8a97a5", "#e3f3ec", "#dcefe2"
 SHORT = {
     "counterbalance": "counterbalance",
@@ -26,10 +27,15 @@ def beside(axes: Axes, rig: Values) -> None:
     end = kind_of(rig, "return end")
     if end != "open":
         text(
-            axes, 14.0, 1.35, "orifice" if end == "orifice" else "orifice and\nback-pressure check", ha="left", size=8.5
+            axes,
+            12.45,
+            0.72,
+            "orifice" if end == "orifice" else "orifice and\nback-pressure check",
+            ha="left",
+            size=8.5,
         )
-        thin(axes, (13.05, 1.5), (13.2, 1.35), (13.05, 1.2))
-        thin(axes, (13.55, 1.5), (13.4, 1.35), (13.55, 1.2))
+        thin(axes, (11.65, 1.5), (11.8, 1.35), (11.65, 1.2))
+        thin(axes, (12.15, 1.5), (12.0, 1.35), (12.15, 1.2))
 
 
 def _accumulator(axes: Axes, rig: Values) -> None:
@@ -49,7 +55,7 @@ def _accessory(axes: Axes, y: float, words: str) -> None:
     """A block in the line, close to the cylinder."""
     box(axes, 11.15, y - 0.2, 0.4, 0.4, GREEN)
     _check(axes, 11.35, y, 0.6)
-    text(axes, 10.7, y + 0.85, words, size=8.5)
+    text(axes, 10.55, y + 0.95, words, size=8.5)
 
 
 def _check(axes: Axes, x: float, y: float, size: float) -> None:
@@ -63,7 +69,8 @@ def motor(axes: Axes, rig: Values) -> None:
     x, y = 13.3, 7.5
     thin(axes, (12.55, 6.45), (x, 6.45), (x, y - 0.6), width=3.0)
     thin(axes, (12.55, 8.55), (x, 8.55), (x, y + 0.6), width=3.0)
-    circle(axes, x, y, 0.6, OIL)
+    with part_of(axes, TURNING):
+        circle(axes, x, y, 0.6, OIL)
     for sign in (1.0, -1.0):
         shape(axes, ((x - 0.2, y + 0.3 * sign), (x + 0.2, y + 0.3 * sign), (x, y + 0.58 * sign)), INK)
     box(axes, x + 0.6, y - 0.08, 0.7, 0.16, ROD)

@@ -26,6 +26,7 @@ from bridge.figures.circuit.symbols import (
     directional_valve,
     dot,
     fittings,
+    part_of,
     pipe,
     shape,
     spring,
@@ -44,6 +45,13 @@ from twin.rig import values
 from twin.topology import ENDS, LINES
 
 STEP = 50e-6  # [s]
+BARREL, PISTON, THICK = (6.1, 8.9), 7.2, 0.32  # heights of the barrel's ends, of the piston drawn, and of its body
+PIPE, CHAMBERS, MOVING, TRAVELLED = (
+    "pipe",
+    "chambers",
+    "moving",
+    "travelled",
+)  # parts of the picture that change when it is live
 DARK_HOSE, ACCENT, BLUSH = "#a85a10", "#b3261e", "#fdecea"
 LOW, TOP, RODS_ROOM = 0.35, 9.67, 1.5  # of the sheet; what a rod upwards needs
 VALVES = {"proportional": "proportional\nor switching", "switching": "switching", "servo": "servo valve"}
@@ -53,10 +61,10 @@ ROUTES: tuple[Points, ...] = (  # of the six lines, in the direction of flow whe
     ((9.7, 5.9), (9.7, 6.45), (12.55, 6.45)),
     ((12.55, 8.55), (8.9, 8.55), (8.9, 5.9)),
     ((9.7, 4.8), (9.7, 2.2), (11.1, 2.2)),
-    ((11.1, 2.2), (13.3, 2.2), (13.3, 1.0)),
+    ((11.1, 2.2), (11.9, 2.2), (11.9, 1.0)),
 )
-LABELS = ((1.45, 4.35), (6.75, 2.95), (11.05, 6.9), (10.75, 9.0), (8.6, 2.2), (11.95, 1.6))  # where each line is named
-HEADS = ((2.6, 3.7), (5.98, 3.7), (11.0, 6.45), (10.6, 8.55), (9.7, 3.4), (12.2, 2.2))  # where its flow is shown
+LABELS = ((1.45, 4.35), (6.75, 2.95), (10.65, 6.9), (10.55, 9.0), (8.6, 2.2), (13.35, 1.3))  # where each line is named
+HEADS = ((2.6, 3.7), (5.98, 3.7), (10.4, 6.45), (10.2, 8.55), (9.7, 3.4), (11.6, 2.2))  # where its flow is shown
 MARKS = ">>><v>"
 
 
@@ -123,7 +131,8 @@ def draw_drive(rig: Values, circuit: Circuit) -> Sheet:
     top = TOP + (0.0 if is_motor(rig) or rod_at(rig) == "a" else RODS_ROOM)
     page, axes = drawing(11.4, 6.25 * (top - LOW) / (TOP - LOW), (0.2, 17.2, LOW, top))
     for line, route, at in zip(line_data(rig, circuit), ROUTES, LABELS, strict=True):
-        pipe(axes, route, line.hose and line.model != "none")
+        with part_of(axes, f"{PIPE}{line.number}"):
+            pipe(axes, route, line.hose and line.model != "none")
         text(axes, *at, line.words, colour=DARK_HOSE if line.hose and line.model != "none" else STEEL)
     for (x, y), mark in zip(HEADS, MARKS, strict=True):
         axes.plot([x], [y], mark, color=INK, markersize=7.0, zorder=5)
@@ -138,7 +147,7 @@ def draw_drive(rig: Values, circuit: Circuit) -> Sheet:
         _cylinder(axes, rig)
     if rig["load"]["added"] > 0.0 and rod_at(rig) == "a":
         _weight(axes, rig)
-    tank(axes, 13.3, 1.0)
+    tank(axes, ROUTES[-1][-1][0], 1.0)
     dot(axes, 11.1, 2.2)
     text(axes, 11.1, 2.55, "return tee")
     _taps(axes)
@@ -210,21 +219,25 @@ def _relief_body(axes: Axes, rig: Values, kind: str) -> None:
 def _cylinder(axes: Axes, rig: Values) -> None:
     """Barrel, piston, rods, and the load; the lower chamber below, whatever the axis of the drive."""
     bore, rod, stroke = (1e3 * rig["cylinder"][name] for name in ("bore", "rod", "stroke"))
-    box(axes, 12.55, 6.1, 1.5, 2.8, OIL)
-    box(axes, 12.55, 7.2, 1.5, 0.32, METAL)
+    with part_of(axes, CHAMBERS):
+        box(axes, 12.55, BARREL[0], 1.5, BARREL[1] - BARREL[0], OIL)
     below, above = rod_at(rig) in ("a", "both"), rod_at(rig) in ("b", "both")
-    if below:
-        box(axes, 13.1, 3.55, 0.4, 3.65, ROD)
-    if above:
-        box(axes, 13.1, 7.52, 0.4, 2.68, ROD)
-    held(axes, rig, 10.2 if above else 2.95)
+    with part_of(axes, MOVING):
+        box(axes, 12.55, PISTON, 1.5, THICK, METAL)
+        if below:
+            box(axes, 13.1, 3.55, 0.4, PISTON - 3.55, ROD)
+        if above:
+            box(axes, 13.1, PISTON + THICK, 0.4, 10.2 - PISTON - THICK, ROD)
+        held(axes, rig, 10.2 if above else 2.95)
     words = f"cylinder, in mm:\nbore {bore:.0f}, rod {rod:.0f},\nstroke {stroke:.0f}"
     if not (below and not above and rod_words(rig) == "rod down"):
         words += f",\n{rod_words(rig).replace(', ', chr(10))}\n(chamber A drawn below)"
     text(axes, 14.25, 8.2, words, ha="left", size=8.5)
-    arrow(axes, (14.4, 6.25), (14.4, 7.2), ACCENT)
-    thin(axes, (14.05, 6.25), (14.55, 6.25), width=0.8)
-    thin(axes, (14.05, 7.2), (14.55, 7.2), width=0.8)
+    thin(axes, (14.05, BARREL[0]), (14.55, BARREL[0]), width=0.8)
+    with part_of(axes, TRAVELLED):
+        arrow(axes, (14.4, BARREL[0]), (14.4, PISTON), ACCENT)
+    with part_of(axes, MOVING):
+        thin(axes, (14.05, PISTON), (14.55, PISTON), width=0.8)
 
 
 def _weight(axes: Axes, rig: Values) -> None:
@@ -240,7 +253,7 @@ def _weight(axes: Axes, rig: Values) -> None:
 
 
 def _taps(axes: Axes) -> None:
-    for x, y, name, foot in ((3.9, 4.75, "$p_1$", 3.7), (11.95, 5.55, "$p_2$", 6.45), (11.95, 7.75, "$p_3$", 8.55)):
+    for x, y, name, foot in ((3.9, 4.75, "$p_1$", 3.7), (11.95, 7.2, "$p_2$", 6.45), (11.95, 9.25, "$p_3$", 8.55)):
         thin(axes, (x, y + math.copysign(0.32, foot - y)), (x, foot), width=1.0)
         circle(axes, x, y, 0.32, BLUSH)
         text(axes, x, y, name, ACCENT, 10.5)

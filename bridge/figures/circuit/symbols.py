@@ -1,6 +1,7 @@
 """Symbols of a hydraulic circuit on a sheet without axes, after ISO 1219 where it has one."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,18 @@ from bridge.drawing.canvas import Axes
 
 STEEL, HOSE, INK, OIL, PALE = "#3b4a5a", "#d9822b", "#222222", "#cfe3f5", "#f3f5f7"
 Points = Sequence[tuple[float, float]]
+SPOOL, BOX = "spool", 1.1  # the boxes of the directional valve, as a part, and how wide each is
+
+
+@contextmanager
+def part_of(axes: Axes, name: str) -> Iterator[None]:
+    """What is drawn inside belongs to a part of the picture: its ids in SVG are NAME.1, NAME.2 and so on."""
+    before = set(axes.get_children())
+    yield
+    drawn = [child for child in axes.get_children() if child not in before]
+    taken = sum(str(child.get_gid() or "").startswith(f"{name}.") for child in before)
+    for number, child in enumerate(drawn, taken + 1):
+        child.set_gid(f"{name}.{number}")
 
 
 def pipe(axes: Axes, route: Points, hose: bool) -> None:
@@ -52,8 +65,10 @@ def circle(axes: Axes, x: float, y: float, radius: float, fill: str = "white") -
 
 def arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str = INK) -> None:
     """An arrow from point to point."""
-    style = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.4, "mutation_scale": 11.0}
-    axes.annotate("", end, start, arrowprops={**style, "shrinkA": 0.0, "shrinkB": 0.0}, zorder=5)
+    from matplotlib.patches import FancyArrowPatch
+
+    style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11.0, "shrinkA": 0.0, "shrinkB": 0.0}
+    axes.add_patch(FancyArrowPatch(start, end, color=colour, linewidth=1.4, zorder=5, **style))
 
 
 def dot(axes: Axes, x: float, y: float) -> None:
@@ -99,9 +114,19 @@ def _two_position_valve(axes: Axes) -> None:
 
 def directional_valve(axes: Axes, kind: str, moves: tuple[str, str] = ("lowers", "lifts")) -> None:
     """4/3: parallel arrows lower, crossed ones lift; the centre shut as in the proportional valve."""
-    left, low, size = 7.65, 4.8, 1.1
+    left, low, size = 7.65, 4.8, BOX
+    with part_of(axes, SPOOL):
+        _boxes(axes, left, low, size)
+    for x, y, name in ((8.68, 4.58, "P"), (9.92, 4.58, "T"), (8.68, 6.12, "B"), (9.92, 6.12, "A")):
+        text(axes, x, y, name, size=10.0)
+    text(axes, left + 0.95, 6.85, f"directional valve\n{kind}", ha="right", size=8.5)
+    text(axes, left + 0.5, 4.47, moves[0], size=8.5, colour="0.35")
+    text(axes, left + 2.85, 4.47, moves[1], size=8.5, colour="0.35")
+
+
+def _boxes(axes: Axes, left: float, low: float, size: float) -> None:
     for index in range(3):
-        box(axes, left + 1.1 * index, low, size, size, PALE if index == 1 else "white")
+        box(axes, left + size * index, low, size, size, PALE if index == 1 else "white")
     high, near, far = low + size, 0.15, 0.95
     arrow(axes, (left + near, low), (left + near, high))
     arrow(axes, (left + far, high), (left + far, low))
@@ -111,13 +136,8 @@ def directional_valve(axes: Axes, kind: str, moves: tuple[str, str] = ("lowers",
         for edge, inside in ((low, low + 0.25), (high, high - 0.25)):
             thin(axes, (port, edge), (port, inside))
             thin(axes, (port - 0.13, inside), (port + 0.13, inside))
-    for x, y, name in ((8.68, 4.58, "P"), (9.92, 4.58, "T"), (8.68, 6.12, "B"), (9.92, 6.12, "A")):
-        text(axes, x, y, name, size=10.0)
     thin(axes, (left, high + 0.12), (left + 3.3, high + 0.12), width=0.9)
     thin(axes, (left, low - 0.12), (left + 3.3, low - 0.12), width=0.9)
     for end, outwards in ((left, -1.0), (left + 3.3, 1.0)):
         box(axes, min(end, end + 0.45 * outwards), low + 0.3, 0.45, 0.5)
         thin(axes, (end + 0.1 * outwards, low + 0.3), (end + 0.35 * outwards, low + 0.8))
-    text(axes, left - 0.6, 5.35, f"directional valve\n{kind}", ha="right", size=8.5)
-    text(axes, left + 0.5, 4.47, moves[0], size=8.5, colour="0.35")
-    text(axes, left + 2.85, 4.47, moves[1], size=8.5, colour="0.35")
