@@ -58,6 +58,7 @@ def _socket(host: str, port: int) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((host, port))
+        listening.listen()  # who comes before the server is up waits
     except (OSError, OverflowError) as error:
         listening.close()
         raise UsageError(

@@ -4,6 +4,7 @@ import { by, make } from "./dom.js";
 const SVG = "http://www.w3.org/2000/svg";
 const PIECES = 10; // of a pipe, between the places at which its pressure is told
 const BENDS = 8; // points of a piece
+const NARROW = matchMedia("(max-width: 40rem)"); // a phone: no room for words beside the parts
 let motion = null;
 let pieces = [];
 let parts = {};
@@ -19,11 +20,20 @@ export function show(facts) {
   chambers = [];
   hand = null;
   if (!motion) return;
+  fit();
   parts = Object.fromEntries(["moving", "travelled", "spool", "turning"].map((name) => [name, all(name)]));
   for (let number = 1; number <= motion.ends.length; number++) pieces.push(divided(all(`pipe${number}`)[0]));
   divideChambers();
   if (motion.turns && parts.turning.length) addHand(parts.turning[0].getBBox());
 }
+
+function fit() {
+  const svg = by("drive").querySelector("svg");
+  svg.dataset.whole ??= svg.getAttribute("viewBox");
+  const [left, top, width, height] = svg.dataset.whole.split(" ").map(Number);
+  svg.setAttribute("viewBox", NARROW.matches ? `${left + 20} ${top} ${width * 0.86} ${height}` : svg.dataset.whole);
+}
+NARROW.addEventListener("change", () => motion && fit());
 
 function divided(group) {
   const path = group.querySelector("path");
