@@ -38,8 +38,9 @@ endurance: $(READY)  ## the long trials
 recordings: $(READY)  ## renew the golden recordings; say in the change what moved and why
 	$(BIN)/python -m tests.tools.renew
 
-pictures: $(READY)  ## renew the pictures of report and view; needs chromium, chromium-driver, mesa-vulkan-drivers
+pictures: $(READY)  ## renew the pictures of report, view and panel; needs chromium, chromium-driver, mesa-vulkan-drivers
 	$(BIN)/python -m tests.tools.pictures
+	$(BIN)/python -m tests.tools.panel_pictures
 
 lock: $(READY)  ## pin what pyproject.toml asks for; the file holds no addresses
 	$(BIN)/python -m pip install --quiet uv

@@ -10,7 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from bridge.errors import UsageError
+from bridge.errors import RunError, UsageError
 from bridge.machine.children import guarded
 from bridge.panel.clients import Client, packed
 from bridge.panel.desk import Desk
@@ -132,6 +132,7 @@ def _life(station: Station) -> Any:
         working = asyncio.create_task(station.work())
         working.add_done_callback(_tell_failure)
         starting = asyncio.create_task(_first_run(station))
+        starting.add_done_callback(_tell_failure)
         yield
         starting.cancel()
         working.cancel()
@@ -144,8 +145,11 @@ async def _first_run(station: Station) -> None:
     if station.place.rig_name is None:
         try:
             await station.start(station.place.wish)
-        except UsageError as error:
+        except (UsageError, RunError) as error:
             station.note = str(error)
+        except Exception as error:
+            station.note = f"the run could not be started: {error!r}"
+            raise
 
 
 def _tell_failure(task: "asyncio.Task[None]") -> None:

@@ -42,7 +42,7 @@ class Station:
         self.own: OwnRun | None = None
         self.run: Run | None = None
         self.rig: Rig | None = None
-        self.note = "" if place.rig_name else "nothing runs yet"
+        self.note = "" if place.rig_name else "choose a scenario and press Start"
         self.busy = ""  # what is being done that takes its time
         self._folder, self._environment = folder, environment
         self._picture: Picture | None = None

@@ -46,12 +46,8 @@ from twin.topology import ENDS, LINES
 
 STEP = 50e-6  # [s]
 BARREL, PISTON, THICK = (6.1, 8.9), 7.2, 0.32  # heights of the barrel's ends, of the piston drawn, and of its body
-PIPE, CHAMBERS, MOVING, TRAVELLED = (
-    "pipe",
-    "chambers",
-    "moving",
-    "travelled",
-)  # parts of the picture that change when it is live
+PIPE, CHAMBERS, MOVING, TRAVELLED = "pipe", "chambers", "moving", "travelled"  # parts that change in a live picture
+TAP, KEY = "tap", "key"  # and parts that a small one leaves in or out
 DARK_HOSE, ACCENT, BLUSH = "#a85a10", "#b3261e", "#fdecea"
 LOW, TOP, RODS_ROOM = 0.35, 9.67, 1.5  # of the sheet; what a rod upwards needs
 VALVES = {"proportional": "proportional\nor switching", "switching": "switching", "servo": "servo valve"}
@@ -150,8 +146,10 @@ def draw_drive(rig: Values, circuit: Circuit) -> Sheet:
     tank(axes, ROUTES[-1][-1][0], 1.0)
     dot(axes, 11.1, 2.2)
     text(axes, 11.1, 2.55, "return tee")
-    _taps(axes)
-    _key(axes, rig, circuit)
+    with part_of(axes, TAP):
+        _taps(axes)
+    with part_of(axes, KEY):
+        _key(axes, rig, circuit)
     return page
 
 

@@ -4,7 +4,7 @@ import { by, make, shown } from "./dom.js";
 const LONGEST = 200; // events in the page
 const GOOD = { running: "good", degraded: "warn", safe: "bad", latched: "bad", failed: "bad" };
 const HINTS = { latched: "Latched: commands do not act until somebody presses Reset.", safe: "Safe: commands do not act; the next valid one, or Reset, ends it." };
-const ms = (seconds) => (seconds === undefined ? "–" : `${shown(1e3 * seconds, 3)} ms`);
+const ms = (seconds) => (seconds === undefined ? "–" : `${(1e3 * seconds).toFixed(2)} ms`);
 
 function table(target, rows) {
   target.replaceChildren(...rows.map(([name, value, kind = ""]) => make("tr", { className: kind }, make("td", { textContent: name }), make("td", { textContent: value }))));

@@ -10,6 +10,7 @@ import { connect } from "./socket.js";
 let facts = null;
 let guest = "watcher";
 let told = null;
+let latest = {}; // what has come since the picture was last drawn
 let readDue = 0;
 const THEMES = ["auto", "light", "dark"];
 
@@ -59,12 +60,22 @@ const heard = {
   },
   frame(message) {
     plots.add(message.curves);
-    schematic.move(message.now, message.lines);
-    if (performance.now() > readDue) { readDue = performance.now() + 200; schematic.read(message.now, facts?.turns); }
+    const drawn = latest.now || latest.lines;
+    latest = { now: message.now ?? latest.now, lines: message.lines ?? latest.lines };
+    if (!drawn) requestAnimationFrame(draw);
     if (message.events) { board.events(message.events, false); faults.heed(message.events); }
     board.follow(message.estimate, message.health);
   },
 };
+
+function draw() {
+  const { now, lines } = latest;
+  latest = {};
+  schematic.move(now, lines);
+  if (performance.now() < readDue) return;
+  readDue = performance.now() + 200;
+  schematic.read(now, facts?.turns);
+}
 
 const ask = connect((message) => heard[message.type]?.(message), (open) => {
   if (!open) { by("phase").textContent = "no connection"; by("phase").className = "badge bad"; }

@@ -25,6 +25,7 @@ export function begin(asking) {
   const moved = (share) => { const [a, b] = view ?? [latest - span(), latest]; pause([a + share * (b - a), b + share * (b - a)]); };
   by("earlier").onclick = () => moved(-0.5);
   by("later").onclick = () => moved(0.5);
+  addEventListener("scroll", refresh, { passive: true });
   addEventListener("resize", () => { for (const sheet of sheets.values()) sheet.chart?.setSize({ width: sheet.box.clientWidth, height: HEIGHT }); });
 }
 
