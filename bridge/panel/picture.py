@@ -7,6 +7,7 @@ from bridge.drawing.colours import STOPS
 from bridge.drawing.html import svg
 from bridge.figures.circuit.rig import (
     BARREL,
+    DARK_HOSE,
     LOW,
     PISTON,
     RODS_ROOM,
@@ -14,7 +15,7 @@ from bridge.figures.circuit.rig import (
     TOP,
     draw_drive,
 )
-from bridge.figures.circuit.symbols import BOX, INK, OIL, PALE
+from bridge.figures.circuit.symbols import BOX, INK, OIL, PALE, STEEL
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of, supply_of
 from bridge.scenario.fitted import is_motor, rod_at
@@ -22,7 +23,14 @@ from twin.topology import PIPES, PLACES, TANK
 
 NAME = "drive"  # its ids begin so
 OF_SCALE = 67e5  # [Pa], supply for which the colours of `drawing.colours` are made
-SHEET = {"#ffffff": "sheet", "white": "sheet", INK: "ink", OIL: "oil", PALE: "pale"}  # colours that follow the page's
+SHEET = {  # colours that follow the page's
+    "#ffffff": "sheet",
+    INK: "ink",
+    OIL: "oil",
+    PALE: "pale",
+    STEEL: "steel",
+    DARK_HOSE: "hose",
+}
 GREY = "#595959"  # 0.35, of remarks
 
 
