@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from bridge.cli.options import CHANGES, CONFIG, CONNECT, FIFO
+from bridge.cli.options import CHANGES, CONFIG, CONNECT, PRIORITY
+from bridge.machine.priority import Priority
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 DEFAULT = "square"  # it keeps moving
@@ -20,7 +21,7 @@ def panel(
     ] = None,
     scenario: Annotated[str, typer.Option(help="What to start: a built-in scenario, or a TOML file.")] = DEFAULT,
     changes: CHANGES = None,
-    fifo: FIFO = False,
+    priority: PRIORITY = Priority.AUTO,
     host: Annotated[
         str, typer.Option(help="Address to serve at; other than this machine's it takes a token.")
     ] = "127.0.0.1",
@@ -45,7 +46,7 @@ def panel(
         from bridge.scenario import load
 
         load(scenario, changes)  # refused before anything is served
-    place = Place(rig, Link(None, connect, zenoh_config, 2.0), Wish(scenario, tuple(changes or ()), True, fifo))
+    place = Place(rig, Link(None, connect, zenoh_config, 2.0), Wish(scenario, tuple(changes or ()), True, priority))
     serve(place, host, port, watch, lambda addresses: _tell(addresses, opening))
 
 

@@ -93,7 +93,7 @@ class Desk:
         if name not in known:
             raise UsageError(f"{name!r:.100} cannot be started from a page; there are {', '.join(known)}")
         changes = wish.changes if name == wish.scenario else ()
-        await self._station.start(Wish(name, changes, bool(asked.get("endless", True)), wish.fifo))
+        await self._station.start(Wish(name, changes, bool(asked.get("endless", True)), wish.priority))
         return {}
 
     async def _stop(self, client: Client, asked: Answer) -> Answer:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bridge.errors import UsageError
+from bridge.machine.priority import Priority
 from bridge.processes.child import Child
 from bridge.recording.names import own_name
 from bridge.scenario import Scenario, load
@@ -27,7 +28,7 @@ class Wish(NamedTuple):
     scenario: str
     changes: tuple[str, ...] = ()
     endless: bool = True  # past the scenario's duration, until it is stopped
-    fifo: bool = False
+    priority: Priority = Priority.AUTO
 
 
 class OwnRun:
@@ -46,10 +47,10 @@ class OwnRun:
         self._children: dict[str, Child] = {}
         self._file = folder / "scenario.json"
         self._file.write_text(_lasting(self.scenario, wish.endless).model_dump_json(), encoding="utf-8")
-        fifo = ["--fifo"] if wish.fifo else []
+        how = ["--quiet", "--priority", wish.priority]
         awaited = ["--await", "controller", "--await", "operator", "--patience", f"{STARTING:g}"]
-        self._begin("plant", [str(self._file), "--listen", self.endpoint, *awaited, "--quiet", *fifo])
-        self._begin("controller", [str(self._file), *self._joining, "--quiet", *fifo])
+        self._begin("plant", [str(self._file), "--listen", self.endpoint, *awaited, *how])
+        self._begin("controller", [str(self._file), *self._joining, *how])
 
     @property
     def link(self) -> Link:

@@ -12,6 +12,7 @@ from typing import Any
 
 from bridge.errors import RunError, UsageError
 from bridge.machine.children import guarded
+from bridge.machine.priority import stand_back
 from bridge.panel.clients import Client, packed
 from bridge.panel.desk import Desk
 from bridge.panel.doors import LOOPBACK, Doors, Guest, doors_for, is_loopback, is_own
@@ -41,6 +42,8 @@ def serve(place: Place, host: str, port: int, watch_only: bool, ready: Callable[
     except ImportError:
         raise UsageError(MISSING) from None
     listening, doors = _socket(host, port), doors_for(host, watch_only)
+    if place.rig_name:  # what we start ourselves would inherit it
+        stand_back()
     with tempfile.TemporaryDirectory(prefix="hydrotwin-") as folder, guarded() as environment:
         station = Station(place, Path(folder), environment)
         application = _application(station, doors, host)
