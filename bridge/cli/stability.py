@@ -38,7 +38,7 @@ DERIVATIVE = Annotated[str, typer.Option(help="Of the dimensionless controller: 
 FILTER_TIME = Annotated[float | None, typer.Option(min=0.0, help="Of the filtered derivative, in sampling periods.")]
 WIDEST = 24  # columns, of a bar of the picture
 NARROWEST = 0.1  # [mm], where a bar begins
-STEP_HEADS = ("settles below", "edge below", "starts with", "at", "seen to swing at")
+STEP_HEADS = ("settles from", "up to", "upper edge below", "starts with", "at", "seen to swing at")
 MOST_ISLANDS = 3  # ranges of gains in a row of the table
 
 
@@ -51,9 +51,11 @@ def advise(
 ) -> None:
     """Find the gains at which a scenario's loop settles, swings after every motion, or depends on the motion.
 
-    A reduced drive under the sampled law, with friction, saturation and card, says where to look. About each edge
+    The answer is the band of gains that settles about the scenario's own gain, or next to it, and what swings on either
+    side. A reduced drive under the sampled law, with friction, saturation and card, says where to look. About each edge
     the twin itself runs at some 25 gains: above the quietest that swings, others may settle. --verify searches for
-    the edges again, at other gains. The linear theory of the smallest motions stands beside it. See docs/stability.md.
+    the upper edges again, at other gains. The linear theory of the smallest motions stands beside it. See
+    docs/stability.md.
     """
     from bridge.scenario import load
 
@@ -137,17 +139,30 @@ def _answer(found: "Advice") -> list[str]:
 
     unit, wide = found.unit, found.wide_above
     above = _in(found.swings_above, unit) if found.swings_above.volts is not None else "no gain"
-    settles, widely = (
-        "at any gain tried" if gain.volts is None else f"below {_in(gain, unit)}" if gain.volts else "at no gain tried"
-        for gain in (found.settles_below, wide)
-    )
+    widely = "at any gain tried" if wide.volts is None else f"below {_in(wide, unit)}" if wide.volts else "at none"
     own = [row.peak_to_peak for row in found.rows if row.gain.volts == found.gain.volts]
     by = f", by up to {own[0] * 1e3:.2g} mm peak to peak" if own and own[0] > 0.0 else ""
+    settles = f"Every motion settles {_band(found)}" if found.has_band else "No gain tried settles after every motion"
     return [
-        f"Every motion settles {settles}, every one swings above {above}; none swings by more than "
-        f"{WIDE * 1e3:g} mm {widely}.",
-        f"This loop {found.verdict.words}{by}.",
+        f"{settles}, every one swings above {above}; none swings by more than {WIDE * 1e3:g} mm {widely}.",
+        f"This loop {found.verdict.words}{by}.{_nearest(found)}",
     ]
+
+
+def _nearest(found: "Advice") -> str:
+    """The way to the band, where the own gain is outside."""
+    own, most, least = (gain.volts or 0.0 for gain in (found.gain, found.settles_below, found.settles_above))
+    if found.verdict == "stable" or not found.has_band:
+        return ""
+    return f" The nearest gain that settles after every motion is {most if own > most else least:.3g} {found.unit}."
+
+
+def _band(found: "Advice") -> str:
+    """Where every motion settles."""
+    most, least, unit = found.settles_below, found.settles_above, found.unit
+    if not least.volts:
+        return "at any gain tried" if most.volts is None else f"below {_in(most, unit)}"
+    return f"above {_in(least, unit)}" if most.volts is None else f"from {least.volts:.3g} to {_in(most, unit)}"
 
 
 def _in(gain: "GainInUnits", unit: str) -> str:
@@ -158,6 +173,7 @@ def _step_row(step: "StepAdvice", unit: str) -> tuple[str, ...]:
     small, large = (peak * 1e3 for peak in step.peak_to_peak)
     return (
         f"{step.size * 1e3:+g} mm",
+        _in(step.settles_above, unit) if step.settles_above.volts else "any",
         _in(step.settles_below, unit),
         _in(step.swings_above, unit),
         _span(small, large, "mm"),
@@ -171,6 +187,8 @@ def _islands(step: "StepAdvice") -> str:
     words = [f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}" for low, high in step.swings_from_to]
     if words and step.swings_from_to[-1][1] == step.tried_up_to:
         words[-1] = f"{step.swings_from_to[-1][0]:.3g} on"
+    if words and step.settles_above.volts and step.swings_from_to[0][0] == step.tried_from:
+        words[0] = f"up to {step.swings_from_to[0][1]:.3g}"
     left_out = len(words) - MOST_ISLANDS
     return ", ".join(words if left_out <= 0 else [*words[: MOST_ISLANDS - 1], f"{left_out} more", words[-1]])
 

@@ -25,9 +25,10 @@ from bridge.studies.stability.advised import (
 )
 from bridge.studies.stability.amplitude import (
     ASKED,
-    LEAST,
     SwingRange,
+    both_ways,
     cycles,
+    is_one_sided,
     room_for,
     swing_range,
     wide_gain_later,
@@ -43,6 +44,7 @@ from bridge.studies.stability.twin_range import search_of, twin_range, twin_wide
 from controller.law import volts_per_percent
 from controller.reference import evaluate
 from controller.stability import Margins
+from controller.stability.amplitude.band import LEAST
 from controller.stability.amplitude.gain_scan import Scanned
 from controller.stability.amplitude.swing import WIDE
 from controller.stability.margins import GAIN_MARGIN
@@ -90,7 +92,8 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
         return _advise_relay(scenario, sizes)
     free = free_gain(scenario)
     search = search_of(scenario, room_for(scenario, sizes))
-    found = twin_range(search, free.own) if uncovered(scenario) else swing_range(scenario, search)
+    alone = bool(uncovered(scenario))
+    found = twin_range(search, free.own, is_one_sided(scenario)) if alone else swing_range(scenario, search)
     own, suggested = gains_of(scenario), _suggestion(scenario, sizes, found, free, search)
     points, left_out = _linear(scenario)
     return Advice(
@@ -102,6 +105,7 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
         gain=_free(free.own, free),
         derivative_gain=_gain(own, scenario),
         verdict=verdict(free.own, found),
+        settles_above=_free(found.least, free),
         settles_below=_free(found.low, free),
         swings_above=_free(found.high, free),
         wide_above=_free(found.wide, free),
@@ -124,14 +128,20 @@ def _suggestion(
     scenario: Scenario, sizes: Sequence[float], found: SwingRange, free: FreeGain, search: Search
 ) -> Suggestion:
     """Half of the gain from which a motion swings widely; none where none does or all do."""
-    gain = found.wide / GAIN_MARGIN
+    gain = above_lower_edge(found.wide / GAIN_MARGIN, found)
     if uncovered(scenario):
         later = twin_wide_later(scenario, search, gain)
     else:
-        later = min(gain, wide_gain_later(scenario, sizes, found.low or LEAST * free.own))
+        firsts = dict.fromkeys(both_ways(scenario, sizes), max(found.least, found.low) or LEAST * free.own)
+        later = min(gain, above_lower_edge(wide_gain_later(scenario, firsts), found))
     unknown = not math.isfinite(gain) or search.late()
     hunts = None if unknown else max(swing.peak_to_peak for swing in search.at(gain))
     return Suggestion(_free(gain, free), _free(later, free), hunts, RULE)
+
+
+def above_lower_edge(gain: float, found: SwingRange) -> float:
+    """A gain, or the middle of what leads to no wide swing if that gain is too small."""
+    return gain if gain >= found.least or math.isinf(found.wide) else math.sqrt(found.least * found.wide)
 
 
 def gains_of(scenario: Scenario) -> float:
@@ -141,9 +151,10 @@ def gains_of(scenario: Scenario) -> float:
 
 def verdict(own: float, found: SwingRange) -> Stability:
     """Of a gain among those that settle."""
-    if own <= found.low:
+    if found.least <= own <= found.low:
         return Stability.STABLE
-    return Stability.UNSTABLE if own >= found.high else Stability.BETWEEN
+    below = min(step.beneath[0] for step in found.steps)
+    return Stability.UNSTABLE if own >= found.high or own < below else Stability.BETWEEN
 
 
 def _advise_relay(scenario: Scenario, sizes: Sequence[float]) -> CycleAdvice:
@@ -172,9 +183,11 @@ def _linear(scenario: Scenario) -> tuple[dict[str, PointAdvice], list[str]]:
 
 
 def _step(found: Scanned, free: FreeGain) -> StepAdvice:
-    edge, seen = (_free(found.low, free), _free(found.high, free)), (found.frequency, found.frequencies, found.peaks)
+    least, low = tuple(_free(gain, free) for gain in found.beneath), (_free(found.low, free), _free(found.high, free))
+    seen = found.frequency, found.frequencies, found.peaks
     islands = tuple((first / free.per_unit, last / free.per_unit) for first, last in found.islands)
-    return StepAdvice(found.size, *edge, *seen, islands, found.loudest / free.per_unit)
+    tried = found.tried[0] / free.per_unit, found.tried[1] / free.per_unit
+    return StepAdvice(found.size, least[0], least[1], *low, *seen, islands, *tried)
 
 
 def _free(gain: float, free: FreeGain) -> GainInUnits:

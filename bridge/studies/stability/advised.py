@@ -66,17 +66,21 @@ class StepAdvice(NamedTuple):
     """Where the edge of one step lies."""
 
     size: float  # [m], upwards positive
+    swings_below: GainInUnits  # 0.0: small gains do not swing
+    settles_above: GainInUnits  # from here up to the next; 0.0: from any gain on
     settles_below: GainInUnits
     swings_above: GainInUnits
     frequency: float  # [Hz], of the swing at the edge; 0.0: irregular
     frequencies: tuple[float, float]  # [Hz], least and greatest
     peak_to_peak: tuple[float, float]  # [m]
     swings_from_to: tuple[tuple[float, float], ...]  # in the unit: gains that were seen to swing, from first to last
-    tried_up_to: float  # in the unit
+    tried_from: float  # in the unit
+    tried_up_to: float
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""
-        pairs = {name: getattr(self, name)._asdict() for name in ("settles_below", "swings_above")}
+        names = ("swings_below", "settles_above", "settles_below", "swings_above")
+        pairs = {name: getattr(self, name)._asdict() for name in names}
         return self._asdict() | pairs
 
 
@@ -117,6 +121,7 @@ class Advice(NamedTuple):
     gain: GainInUnits  # the scenario's own
     derivative_gain: GainInUnits
     verdict: Stability
+    settles_above: GainInUnits  # 0.0: from any gain on
     settles_below: GainInUnits
     swings_above: GainInUnits
     wide_above: GainInUnits  # below: no motion swings by more than WIDE
@@ -126,9 +131,15 @@ class Advice(NamedTuple):
     suggested: Suggestion
     notes: tuple[str, ...]
 
+    @property
+    def has_band(self) -> bool:
+        """Does any gain settle after every step?"""
+        most, least = self.settles_below.volts, self.settles_above.volts
+        return most is None or (least is not None and most > least)
+
     def plain(self) -> dict[str, Any]:
         """For JSON."""
-        pairs = ("gain", "derivative_gain", "settles_below", "swings_above", "wide_above")
+        pairs = ("gain", "derivative_gain", "settles_above", "settles_below", "swings_above", "wide_above")
         return {
             "scenario": self.scenario,
             "held_at": self.held_at,

@@ -7,7 +7,7 @@ go to two threads, and an interruption is answered between two of them.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,14 +15,17 @@ import numpy as np
 from bridge.errors import ScenarioError
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
-from bridge.studies.stability.sampled_law import free_gain, law_of
+from bridge.scenario.controllers import Pd
+from bridge.studies.stability.sampled_law import free_gain, is_asked, law_of
 from bridge.studies.stability.search import Search, threaded
 from bridge.studies.stability.twin_loop import TwinLoop, twin_loop, uncovered
+from controller.stability.amplitude.band import LEAST, Band, Outlook, band_about
 from controller.stability.amplitude.edges import (
     ROUGH,
     SCAN,
     SEEDS,
     Edge,
+    Interval,
     Loop,
     Scan,
     lasting,
@@ -41,8 +44,6 @@ FURTHER = (5e-3, 120e-3)  # [m], that also count among all motions
 FEW = SEEDS[:2]  # noises with the further ones
 ROUGHLY = 1.15  # beyond the edges of a single noise
 AT = 1.0  # [s], of the step
-QUIET, IN_A_ROW = 1.6, 3  # between gains on the way down, until so many settle: louder ones may, above those that swing
-LEAST = 1e-2  # of the scenario's own gain: no quieter gain is looked for
 ROWS = 9  # of the picture
 TWIN_SCAN = ROUGH._replace(ratio=1.6, tolerance=1.06, back=0.6)  # where each run is one of the twin
 
@@ -59,7 +60,8 @@ class PictureRow(NamedTuple):
 class SwingRange(NamedTuple):
     """Which gains settle, in the unit of the free gain times its factor (1/m for a PD)."""
 
-    low: float  # below: no motion that was tried swings
+    least: float  # from here up to `low` no motion that was tried swings; 0.0: there is no lower edge
+    low: float
     high: float  # above: every one does; inf: never all
     wide: float  # below: none swings by more than WIDE; inf: none at any gain
     steps: tuple[Scanned, ...]  # asked for, down and up
@@ -137,30 +139,58 @@ def room_for(scenario: Scenario, sizes: Sequence[float]) -> list[float]:
 def swing_range(scenario: Scenario, search: Search) -> SwingRange:
     """Which gains settle after the steps of a search. Raises ScenarioError where the reduced loop does not exist."""
     loop, own, asked = loop_of(scenario), free_gain(scenario).own, search.sizes
-    steps = scans_of(loop, search, own)
+    steps = scans_of(scenario, loop, search)
     further = [size for size in both_ways(scenario, (*ASKED, *FURTHER)) if size not in asked]
-    first = next((step.low for step in steps if 0.0 < step.low < math.inf), own)
-    jobs = [(size, seed) for size in further for seed in FEW]
-    found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[1], first, ROUGH), jobs), strict=True))
-    others = [spanned(size, [e for job, e in found if job[0] == size]) for size in further]
+    bands = bands_of(loop, further, own, is_one_sided(scenario))
+    jobs = [(size, band.inside, seed) for size, band in bands.items() if band for seed in FEW]
+    found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[2], job[1], ROUGH), jobs), strict=True))
+    others = [spanned(size, [e for job, e in found if job[0] == size]) for size, band in bands.items() if band]
+    least = max([step.beneath[1] for step in steps] + [b.bottom for b in bands.values() if b and b.swings_below])
     low = min(i.low for i in (*steps, *others))
     high = max(*(step.swings_from for step in steps), *(i.high for i in others))
-    wide = min(wide_gain(loop, asked, first), search.lowest_beyond(WIDE))
-    rows = picture(loop, search, low, max((g for g in (high, wide) if math.isfinite(g)), default=math.inf), own)
-    quiet = [row.gain * ROUGHLY for row in rows if len(row.swinging) < len(asked)]
-    return SwingRange(low, max([high, *quiet]), wide, tuple(steps), tuple(rows))
+    firsts = {step.size: step.low if 0.0 < step.low < math.inf else own for step in steps}
+    wide = min(wide_gain(loop, firsts), search.lowest_beyond(WIDE, firsts))
+    shown = min(least, low) or low
+    rows = picture(loop, search, shown, max((g for g in (high, wide) if math.isfinite(g)), default=math.inf), own)
+    quiet = [row.gain * ROUGHLY for row in rows if row.gain > low and len(row.swinging) < len(asked)]
+    return SwingRange(least, low, max([high, *quiet]), wide, tuple(steps), tuple(rows))
 
 
-def scans_of(loop: Loop, search: Search, own: float) -> list[Scanned]:
+def is_one_sided(scenario: Scenario) -> bool:
+    """Can a gain only be too high? A law with a memory, or of the user's, may swing at small gains, too."""
+    return isinstance(scenario.controller, Pd)
+
+
+def bands_of(loop: Loop | TwinLoop, sizes: Iterable[float], own: float, one_sided: bool) -> dict[float, Band | None]:
+    """The band of gains that settles about the own one, or next to it, for each step [m], with one noise."""
+    steps = list(sizes)
+    found = threaded(lambda size: band_about(lambda g: not swing(loop, g, size).counts, own, one_sided), steps)
+    return dict(zip(steps, found, strict=True))
+
+
+def scans_of(scenario: Scenario, loop: Loop, search: Search) -> list[Scanned]:
     """Runs of the twin about the edges of the reduced loop, and what its edges with some noises say."""
-    first = quiet_gain(loop, search.sizes, own)
-    rough = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), search.sizes)
+    own, one_sided = free_gain(scenario).own, is_one_sided(scenario)
+    bands = bands_of(loop, search.sizes, own, one_sided)
+    first = {size: band.inside if band else LEAST * own for size, band in bands.items()}
+    rough = threaded(lambda size: edge(loop, size, SEEDS[0], first[size], ROUGH), search.sizes)
     starts = dict(zip(search.sizes, rough, strict=True))
-    jobs = [(size, nearer(e, first), seed) for size, e in starts.items() if math.isfinite(e.swings) for seed in SEEDS]
+    edged = [(size, nearer(e, first[size])) for size, e in starts.items() if math.isfinite(e.swings)]
+    seeds = FEW if is_asked(scenario) else SEEDS  # such a law takes so long that runs of the twin say more in that time
+    jobs = [(size, begin, seed) for size, begin in edged for seed in seeds]
     found = list(zip(jobs, threaded(lambda job: edge(loop, job[0], job[2], job[1]), jobs), strict=True))
     expected = {size: spanned(size, [e for job, e in found if job[0] == size] or [e]) for size, e in starts.items()}
     near = {size: e.swings if math.isfinite(e.swings) else own for size, e in starts.items()}
-    return search.scans(near, expected)
+    return search.scans({size: outlook(near[size], bands[size], one_sided, expected[size]) for size in search.sizes})
+
+
+def outlook(near: float, band: Band | None, one_sided: bool, expected: Interval | None) -> Outlook:
+    """Where the scan begins that has an edge near a gain above a band."""
+    if one_sided:
+        return Outlook(near, expected=expected)
+    if band and band.swings_below:
+        return Outlook(near, band.inside, band.swings_below, expected)
+    return Outlook(near, below=LEAST * near, expected=expected)
 
 
 def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[float, Swing]]:
@@ -170,43 +200,33 @@ def cycles(scenario: Scenario, sizes: Sequence[float] = ASKED) -> list[tuple[flo
     return list(zip(steps, threaded(lambda size: swing(loop, 1.0, size), steps), strict=True))
 
 
-def wide_gain(loop: Loop | TwinLoop, sizes: Sequence[float], first: float) -> float:
-    """Below which gain no step of these sizes [m] leaves a swing of more than WIDE; searched from `first` upwards.
+def wide_gain(loop: Loop | TwinLoop, firsts: Mapping[float, float]) -> float:
+    """Below which gain none of some steps [m] leaves a swing of more than WIDE; each searched from a gain upwards.
 
-    inf where none does, as where `first` is: no gain swings at all.
+    inf where none does, as where a first gain is: no gain swings at all.
     """
-    if math.isinf(first):
+    if any(math.isinf(first) for first in firsts.values()):
         return math.inf
-    found = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH, WIDE), sizes)
+    found = threaded(lambda size: edge(loop, size, SEEDS[0], firsts[size], ROUGH, WIDE), firsts)
     return min(e.swings for e in found) / ROUGHLY
 
 
-def wide_gain_later(scenario: Scenario, sizes: Sequence[float], first: float) -> float:
+def wide_gain_later(scenario: Scenario, firsts: Mapping[float, float]) -> float:
     """The same with one more sampling period of delay."""
     times = {"delay": scenario.loop.delay + scenario.loop.sample_period}
     loop = any_loop(scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)}))
-    return wide_gain(loop, both_ways(scenario, sizes), first)
+    return wide_gain(loop, firsts)
 
 
 def range_over(scenario: Scenario, period: float, own: float, size: float) -> tuple[float, float]:
     """Below which gain a step of a size [m] settles, and swings by at most WIDE, with another sampling period [s]."""
     times = {"sample_period": period, "command_timeout": max(scenario.loop.command_timeout, 2.0 * period)}
     changed = scenario.model_copy(update={"loop": scenario.loop.model_copy(update=times)})
-    loop, sizes = any_loop(changed), both_ways(scenario, (size,))
-    first = quiet_gain(loop, sizes, own)
-    found = threaded(lambda size: edge(loop, size, SEEDS[0], first, ROUGH), sizes)
-    return min(e.swings for e in found) / ROUGHLY, wide_gain(loop, sizes, first)
-
-
-def quiet_gain(loop: Loop | TwinLoop, sizes: Sequence[float], own: float) -> float:
-    """A gain that settles after all these steps, as do IN_A_ROW gains from it on, each QUIET times the last."""
-    gain, quiet = own, 0
-    while gain > LEAST * own:
-        quiet = 0 if any(threaded(lambda size, g=gain: swing(loop, g, size).counts, sizes)) else quiet + 1
-        if quiet == IN_A_ROW:
-            return gain
-        gain /= QUIET
-    return gain
+    loop = any_loop(changed)
+    bands = bands_of(loop, both_ways(scenario, (size,)), own, is_one_sided(scenario))
+    firsts = {size: band.inside if band else LEAST * own for size, band in bands.items()}
+    found = threaded(lambda size: edge(loop, size, SEEDS[0], firsts[size], ROUGH), firsts)
+    return min(e.swings for e in found) / ROUGHLY, wide_gain(loop, firsts)
 
 
 def picture(loop: Loop, search: Search, low: float, high: float, own: float) -> list[PictureRow]:

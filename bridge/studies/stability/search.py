@@ -7,7 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 from bridge.studies.stability.twin_loop import TwinLoop
-from controller.stability.amplitude.edges import SEEDS, Interval
+from controller.stability.amplitude.band import Outlook
+from controller.stability.amplitude.edges import SEEDS
 from controller.stability.amplitude.gain_scan import COARSE, Scanned, next_gain, scanned
 from controller.stability.amplitude.swing import Swing
 
@@ -59,9 +60,11 @@ class Search:
         """Does any step leave a swing of more than this [m]?"""
         return any(swing.peak_to_peak > largest for swing in self.at(gain))
 
-    def lowest_beyond(self, largest: float) -> float:
-        """The smallest gain that was seen to leave a swing of more than this [m]; inf: none was."""
-        return min((gain for (gain, _), swing in self.found.items() if swing.peak_to_peak > largest), default=math.inf)
+    def lowest_beyond(self, largest: float, above: Mapping[float, float]) -> float:
+        """The smallest gain that was seen to leave a swing of more than this [m], of each step above a gain; or inf."""
+        found = self.found.items()
+        beyond = (g for (g, size), swing in found if swing.peak_to_peak > largest and g > above[size])
+        return min(beyond, default=math.inf)
 
     def runs_of(self, size: float) -> dict[float, Swing]:
         """By gain, of one step [m]."""
@@ -78,15 +81,15 @@ class Search:
         gains = {gain for gain, _ in self.found}
         return sorted(gain for gain in gains if all((gain, size) in self.found for size in self.sizes))
 
-    def scans(self, near: Mapping[float, float], expected: Mapping[float, Interval]) -> list[Scanned]:
-        """The scan of each step, beginning at a gain, or among those that were run; what a cheaper model expects."""
-        self.run((near[size], size) for size in self.sizes if not self.runs_of(size))
+    def scans(self, looks: Mapping[float, Outlook]) -> list[Scanned]:
+        """The scan of each step [m], beginning where its outlook says, or among the gains that were run."""
+        self.run((looks[size].near, size) for size in self.sizes if not self.runs_of(size))
         while not self.late():
-            wanted = {size: next_gain(self.runs_of(size), near[size]) for size in self.sizes}
+            wanted = {size: next_gain(self.runs_of(size), looks[size]) for size in self.sizes}
             if not (jobs := [(gain, size) for size, gain in wanted.items() if gain is not None]):
                 break
             self.run(jobs)
-        return [scanned(size, self.runs_of(size), expected.get(size)) for size in self.sizes]
+        return [scanned(size, self.runs_of(size), looks[size]) for size in self.sizes]
 
 
 def threaded(function: Callable[[Any], Any], jobs: Iterable[Any]) -> list[Any]:

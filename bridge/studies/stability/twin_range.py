@@ -2,8 +2,8 @@
 
 The gains form a ladder, by RUNG from the scenario's own. It goes down until IN_A_ROW of them settle, then up: by two
 rungs while all settle, back to the one between where some swing, on until all swing by more than WIDE. From the first
-rung that swings on each step is scanned; the gain from which any swings by more than WIDE is bisected. When the time
-is up, what is known then is the answer: with wider intervals, and less of it.
+rung that swings on each step is scanned, and what swings below the band that settles; the gain from which any swings by
+more than WIDE is bisected. When the time is up, what is known then is the answer: with wider intervals, and less of it.
 """
 
 import math
@@ -11,16 +11,11 @@ import time
 from collections.abc import Callable, Sequence
 
 from bridge.scenario import Scenario
-from bridge.studies.stability.amplitude import (
-    LEAST,
-    ROUGHLY,
-    PictureRow,
-    SwingRange,
-    picture_row,
-)
+from bridge.studies.stability.amplitude import ROUGHLY, PictureRow, SwingRange, outlook, picture_row
 from bridge.studies.stability.sampled_law import free_gain
 from bridge.studies.stability.search import LONGEST, WORK, Deadline, Search
 from bridge.studies.stability.twin_loop import twin_loop
+from controller.stability.amplitude.band import LEAST, Outlook, band_among
 from controller.stability.amplitude.swing import LARGEST, WIDE
 
 IN_A_ROW = 2  # rungs that settle, on the way down
@@ -36,34 +31,45 @@ def search_of(scenario: Scenario, sizes: Sequence[float]) -> Search:
     return search
 
 
-def twin_range(search: Search, own: float) -> SwingRange:
-    """Which gains settle after the steps of a search."""
-    _ladder(search, own)
-    steps = search.scans(dict.fromkeys(search.sizes, own), {})
+def twin_range(search: Search, own: float, one_sided: bool) -> SwingRange:
+    """Which gains settle after the steps of a search; one_sided: a gain can only be too high."""
+    _ladder(search, own, one_sided)
+    steps = search.scans({size: _outlook(search, size, own, one_sided) for size in search.sizes})
+    least = max(step.beneath[1] for step in steps)
     low, high = min(step.low for step in steps), max(step.swings_from for step in steps)
-    wide = _bisected(search, WIDE) / ROUGHLY if math.isfinite(low) else math.inf
-    return SwingRange(low, high, wide, tuple(steps), tuple(_rows(search, own)) if math.isfinite(low) else ())
+    rungs = [gain for gain in search.rungs if gain >= least]
+    wide = _bisected(search, rungs, WIDE) / ROUGHLY if math.isfinite(low) else math.inf
+    rows = tuple(_rows(search, rungs, own)) if math.isfinite(low) else ()
+    return SwingRange(least, low, high, wide, tuple(steps), rows)
 
 
-def _ladder(search: Search, own: float) -> None:
-    """Run the rungs that matter, all steps at each."""
+def _outlook(search: Search, size: float, own: float, one_sided: bool) -> Outlook:
+    """Where the scan of a step begins: the next rung above the band that the ladder has."""
+    runs = {gain: not swing.counts for gain, swing in search.runs_of(size).items()}
+    band = band_among(runs, own)
+    louder = [gain for gain, settles in runs.items() if band and gain > band.top and not settles]
+    return outlook(min(louder, default=own), band, one_sided, None)
+
+
+def _ladder(search: Search, own: float, one_sided: bool) -> None:
+    """Run the rungs that matter, all steps at each; upwards past what swings below a band."""
     gain, quiet = own, 0
     while quiet < IN_A_ROW and gain > LEAST * own and not search.late():
         quiet = 0 if search.any_beyond(gain, LARGEST) else quiet + 1
         gain /= RUNG
-    rung = 0
-    while RUNG**rung < MOST and not all(s.peak_to_peak > WIDE for s in search.at(own * RUNG**rung)):
+    rung, below = 0, not (one_sided or quiet)
+    while RUNG**rung < MOST and (below or not all(s.peak_to_peak > WIDE for s in search.at(own * RUNG**rung))):
         if search.late():
             return
         calm = not search.any_beyond(own * RUNG**rung, LARGEST)
+        below = below and not calm
         if calm and search.any_beyond(own * RUNG ** (rung + 2), LARGEST):
             search.at(own * RUNG ** (rung + 1))
         rung += 2 if calm else 1
 
 
-def _bisected(search: Search, largest: float) -> float:
-    """The smallest gain at which any step leaves a swing of more than this [m]; inf where none was found."""
-    rungs = search.rungs
+def _bisected(search: Search, rungs: Sequence[float], largest: float) -> float:
+    """The smallest of these gains at which any step leaves a swing of more than this [m]; inf where none was found."""
     first = next((gain for gain in rungs if search.any_beyond(gain, largest)), math.inf)
     settles = max((gain for gain in rungs if gain < first), default=0.0)
     if math.isinf(first):
@@ -74,12 +80,11 @@ def _bisected(search: Search, largest: float) -> float:
     return first
 
 
-def _rows(search: Search, own: float) -> list[PictureRow]:
-    """The own gain and those about the edges, as far as they were run."""
-    rungs = search.rungs
+def _rows(search: Search, rungs: Sequence[float], own: float) -> list[PictureRow]:
+    """The own gain and those of these about the edges, as far as they were run."""
     loud = next((i for i, gain in enumerate(rungs) if search.any_beyond(gain, LARGEST)), len(rungs))
     near = [gain for gain in rungs[max(0, loud - 2) : loud - 2 + ROWS] if gain != own]
-    shown = sorted({own, *near} & set(rungs))
+    shown = sorted({own, *near} & set(search.rungs))
     return [picture_row(gain, search.sizes, search.at(gain)) for gain in shown]
 
 

@@ -4,7 +4,10 @@ Gains that swing are islands: a louder loop may settle, and one louder still swi
 the shore of any of them, and where it began decides of which. Here the gains are scanned: FINE apart over a rung below
 the lowest that is known to swing, with a quiet one a rung further down, and COARSE apart from there up to COVER times
 that gain, or up to FURTHER where most of them settle. A scan still misses single gains that swing, so the interval
-also holds what the edges of some noises of a cheaper model say.
+also holds what the edges of some noises of a cheaper model say, and gains whose swing is marginal.
+
+Where small gains swing, too, all this is done above a gain inside the band that settles, and the edge below the band
+is sought from there downwards, where it is sharp: no nearer than COARSE.
 """
 
 import math
@@ -12,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby, pairwise
 from typing import NamedTuple
 
+from controller.stability.amplitude.band import LEAST, MOST, Outlook
 from controller.stability.amplitude.edges import Interval
 from controller.stability.amplitude.swing import Swing
 
@@ -20,25 +24,27 @@ FINE, COARSE = RUNG**0.125, RUNG**0.25
 QUIET = RUNG**2  # below the lowest that swings, how far is scanned
 COVER, FURTHER = 2.0, 3.0  # above it
 MOSTLY = 0.7  # share of the gains up to COVER, of those that settle
-MOST, LEAST = 64.0, 1e-2  # of the gain it begins with, how far is searched
 SHARP, RAGGED, SCATTERED = 1.08, 1.1, 1.4  # below the lowest that swings, where the interval begins
 ABOVE, BEYOND = 1.15, 1.1  # above it at least, and above the loudest that settles
+OUTWARDS = 12  # gains on either side of one that should settle and does not, RUNG**0.5 apart
+DEEPER, HIGHER = 1.3, 1.1  # below the greatest gain that swings under the band, and above it, its interval
 ROUNDING = 1.0 + 1e-9
 Runs = Mapping[float, Swing]  # by gain
 
 
 class Scanned(NamedTuple):
-    """Where a step begins to swing, and all that was seen."""
+    """The band in which a step settles, and all that was seen."""
 
     size: float  # of the step [m], upwards positive
-    low: float  # every gain below settles; 0.0: all that were tried swing; inf: none does
-    high: float  # a search for the edge ends below
-    frequency: float  # [Hz], of the quietest swing that has one; 0.0: irregular
+    low: float  # every gain of the band below settles; 0.0: all that were tried swing; inf: none does
+    high: float  # a search for the upper edge ends below
+    beneath: tuple[float, float]  # where a search for the lower edge ends; 0.0: there is none
+    frequency: float  # [Hz], of the quietest swing above the band that has one; 0.0: irregular
     frequencies: tuple[float, float]  # [Hz], least and greatest up to `high`
     peaks: tuple[float, float]  # [m], peak to peak, up to `high`
     islands: tuple[tuple[float, float], ...]  # gains that swing, from the first to the last in a row
     settling: float  # the loudest gain that was seen to settle; 0.0: none was
-    loudest: float  # gain that was run
+    tried: tuple[float, float]  # least and greatest gain that was run
 
     @property
     def swings_from(self) -> float:
@@ -46,19 +52,82 @@ class Scanned(NamedTuple):
         return max(self.high, self.settling * BEYOND)
 
 
-def next_gain(runs: Runs, near: float) -> float | None:
-    """Where to run next, beginning at a gain `near`; None: enough is known.
+def next_gain(runs: Runs, look: Outlook) -> float | None:
+    """Where to run next; None: enough is known.
 
-    First roughly on both sides of the lowest that swings, so that a search that is cut short knows both, then finely.
+    First roughly on both sides of the lowest that swings, so that a search that is cut short knows both, then below the
+    band, then finely.
     """
-    if near not in runs:
-        return near
-    lowest, least = lowest_swinging(runs), min(runs)
+    if look.near not in runs:
+        return look.near
+    if (gain := _inside(runs, look) or _first_below(runs, look)) is not None:
+        return gain
+    base = base_of(runs, look)
+    above, floor = runs_above(runs, base, look), look.near * LEAST
+    lowest, least = lowest_swinging(above), min(above, default=look.near)
     if math.isinf(lowest):
-        return max(runs) * RUNG if max(runs) * RUNG <= near * MOST else None
-    if least * QUIET > lowest * ROUNDING and least / RUNG > near * LEAST:
+        louder = max(above, default=look.near) * RUNG
+        return louder if louder <= look.near * MOST else _lower(runs, base)
+    if not base and least * QUIET > lowest * ROUNDING and least / RUNG > floor:
         return least / RUNG
-    return _between(runs, lowest, RUNG, COARSE) or _louder(runs, lowest) or _between(runs, lowest, RUNG, FINE)
+    if look.below and all(swing.counts for swing in runs.values()):
+        return _widest_gap(runs)
+    rough = _between(above, lowest, RUNG, COARSE) or _lower(runs, base) or _louder(above, lowest)
+    return rough or _between(above, lowest, RUNG, FINE)
+
+
+def base_of(runs: Runs, look: Outlook) -> float:
+    """A gain that settles between the lower edge and the upper one; 0.0: no lower edge is known."""
+    calm = [gain for gain, swing in runs.items() if not swing.counts]
+    if look.inside:
+        return min(calm, key=lambda gain: abs(math.log(gain / look.inside)), default=0.0)
+    if look.below in runs and runs[look.below].counts:
+        return min((gain for gain in calm if gain > look.below), default=0.0)
+    return 0.0
+
+
+def runs_above(runs: Runs, base: float, look: Outlook) -> Runs:
+    """Those that count for the upper edge."""
+    return {gain: swing for gain, swing in runs.items() if gain >= base and (base or gain > look.below)}
+
+
+def _inside(runs: Runs, look: Outlook) -> float | None:
+    """The next gain to find one that settles inside the band, from where one is expected outwards."""
+    if not look.inside or any(not swing.counts for swing in runs.values()):
+        return look.inside if look.inside and look.inside not in runs else None
+    places = (look.inside * RUNG ** (0.5 * sign * k) for k in range(OUTWARDS + 1) for sign in (-1.0, 1.0))
+    return next((gain for gain in places if gain not in runs), None)
+
+
+def _first_below(runs: Runs, look: Outlook) -> float | None:
+    """The first gain below the band, and where that settles but a lower edge is expected, the next."""
+    if not look.below:
+        return None
+    if look.below not in runs:
+        return look.below
+    least = min(runs)
+    expected = look.inside and not runs[least].counts and least / QUIET > look.near * LEAST
+    return least / QUIET if expected else None
+
+
+def _widest_gap(runs: Runs) -> float | None:
+    """Its middle, where the band may be that was not met."""
+    low, high = max(pairwise(sorted(runs)), key=lambda pair: pair[1] / pair[0], default=(1.0, 1.0))
+    return math.sqrt(low * high) if high > low * QUIET else None
+
+
+def _lower(runs: Runs, base: float) -> float | None:
+    """The middle of a gap below the band, down to the greatest gain that swings there."""
+    if not (greatest := _greatest_below(runs, base)):
+        return None
+    gains = sorted(gain for gain in runs if greatest <= gain <= base)
+    wide = [(a, b) for a, b in pairwise(gains) if b > a * (COARSE if a == greatest else RUNG) * ROUNDING]
+    return math.sqrt(math.prod(wide[0])) if wide else None
+
+
+def _greatest_below(runs: Runs, base: float) -> float:
+    """The greatest gain below the band that swings; 0.0: none does."""
+    return max((gain for gain, swing in runs.items() if gain < base and swing.counts), default=0.0)
 
 
 def _louder(runs: Runs, lowest: float) -> float | None:
@@ -90,17 +159,37 @@ def mostly_settling(runs: Runs) -> bool:
     return bool(louder) and sum(not swing.counts for swing in louder) >= MOSTLY * len(louder)
 
 
-def scanned(size: float, runs: Runs, expected: Interval | None) -> Scanned:
+def scanned(size: float, runs: Runs, look: Outlook) -> Scanned:
     """What the runs of a step of a size [m] say, and what a cheaper model gives for it, if there is one."""
-    low, high = _interval(runs)
-    if expected is not None and 0.0 < low < math.inf:
-        low, high = _widened(low, high, runs, expected)
-    swinging = [swing for gain, swing in sorted(runs.items()) if swing.counts and gain <= high]
+    base = base_of(runs, look)
+    above = runs_above(runs, base, look)
+    low, high = _interval(above)
+    if look.expected is not None and 0.0 < low < math.inf:
+        low, high = _widened(low, high, above, look.expected)
+    low, high = _with_marginal(low, high, above)
+    swinging = [swing for gain, swing in sorted(above.items()) if swing.counts and gain <= high]
     often = [swing.frequency for swing in swinging if swing.frequency > 0.0] or [0.0]
     peaks = [swing.peak_to_peak for swing in swinging] or [0.0]
     spans = (min(often), max(often)), (min(peaks), max(peaks))
-    settling = max((gain for gain, swing in runs.items() if not swing.counts), default=0.0)
-    return Scanned(size, low, high, often[0], *spans, tuple(_islands(runs)), settling, max(runs))
+    settling = max((gain for gain, swing in above.items() if not swing.counts), default=0.0)
+    tried = min(runs), max(runs)
+    return Scanned(size, low, high, _beneath(runs, base), often[0], *spans, tuple(_islands(runs)), settling, tried)
+
+
+def _with_marginal(low: float, high: float, runs: Runs) -> tuple[float, float]:
+    """The interval with the gains around it whose swing is marginal, as far as it then spans no more than COVER."""
+    marginal = [gain for gain, swing in runs.items() if swing.is_marginal]
+    low = min([low, *(gain / FINE for gain in marginal if gain * COVER > high * FINE)])
+    return low, max([high, *(gain for gain in marginal if gain <= low * COVER)])
+
+
+def _beneath(runs: Runs, base: float) -> tuple[float, float]:
+    """Where a search downwards from the band is expected to end; 0.0: nowhere."""
+    if not (greatest := _greatest_below(runs, base)):
+        return 0.0, 0.0
+    settles = min(gain for gain in runs if gain > greatest)
+    marginal = [gain for gain, swing in runs.items() if swing.is_marginal and greatest / COVER < gain < base]
+    return min([greatest / DEEPER, *marginal]), max([settles, greatest * HIGHER, *marginal])
 
 
 def _interval(runs: Runs) -> tuple[float, float]:

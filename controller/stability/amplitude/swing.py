@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LARGEST = 3e-4  # [m], peak to peak: what does not count as swinging
+MARGIN = 1.15  # up and down: over the card's noise the peak to peak of one hunting loop scatters by 10 to 15 % (rms)
 WIDE = 1e-3  # [m], peak to peak, assumed: more than the hunting of a piston that sticks and slips
 PERIODS = 2.5  # that a swing must fit into the last third; slower ones are creep and jumps
 Array = NDArray[np.float64]
@@ -21,6 +22,11 @@ class Swing(NamedTuple):
     def counts(self) -> bool:
         """Is it more than LARGEST?"""
         return self.peak_to_peak > LARGEST
+
+    @property
+    def is_marginal(self) -> bool:
+        """May another noise of the card put it on the other side of LARGEST?"""
+        return LARGEST / MARGIN < self.peak_to_peak <= LARGEST * MARGIN
 
 
 def last_third(time: Array, position: Array) -> Swing:
