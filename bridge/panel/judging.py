@@ -49,7 +49,7 @@ class Judging:
         if self._final or self.words or (self._time < self._due and not ended) or len(self._entries) < 3:
             return False
         self._final = ended or self._time >= self.scenario.duration or len(self._entries) > MOST
-        self._due = self._time + max(FIRST, EACH * self._time)
+        self._due = min(self._time + max(FIRST, EACH * self._time), self.scenario.duration)
         try:
             self.found = self._judged()
         except (UsageError, ValueError) as error:

@@ -11,7 +11,7 @@ from bridge.errors import RunError, UsageError
 from bridge.recording.manifest import told_by
 from bridge.recording.reader import Entry, recording
 from bridge.scenario import Scenario
-from bridge.view.inbox import WATCHED, inbox
+from bridge.view.inbox import WATCHED, inbox, run_of
 from bridge.wire.access import ORDERS, Role, rights
 from bridge.wire.bus import Bus
 from bridge.wire.link import Link
@@ -75,7 +75,10 @@ class Rig:
         """All that has come since the last time."""
         entries = [entry for box in self._inboxes for entry in box.take()]
         now = time.monotonic()
-        if any(entry.topic == "state" for entry in entries):
+        runs = {run_of(entry) for entry in entries if entry.topic == "state"}
+        if runs - {self.run_id}:
+            self.ended = self.ended or Phase.ENDED  # another run has begun in its place
+        if runs:
             self._quiet_since = now
         elif now - self._quiet_since > SILENT and len(self._inboxes) == 1:
             self._inboxes.append(inbox(self.bus, CARD))

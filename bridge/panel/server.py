@@ -46,10 +46,10 @@ def serve(place: Place, host: str, port: int, watch_only: bool, ready: Callable[
         stand_back()
     with tempfile.TemporaryDirectory(prefix="hydrotwin-") as folder, guarded() as environment:
         station = Station(place, Path(folder), environment)
-        application = _application(station, doors, host)
+        served = application(station, doors, host)
         settings: dict[str, Any] = {"log_level": "warning", "access_log": False, "server_header": False}
         settings |= {"ws_per_message_deflate": False, "ws_max_size": LONGEST, "timeout_graceful_shutdown": GRACE}
-        server = uvicorn.Server(uvicorn.Config(application, lifespan="on", **settings))
+        server = uvicorn.Server(uvicorn.Config(served, lifespan="on", **settings))
         ready(_addresses(host, listening.getsockname()[1], doors))
         with suppress(KeyboardInterrupt):
             asyncio.run(server.serve([listening]))
@@ -76,7 +76,8 @@ def _addresses(host: str, port: int, doors: Doors) -> list[str]:
     return [f"{base}?token={token}  ({who})" for who, token in doors.tokens.items()] or [base]
 
 
-def _application(station: Station, doors: Doors, host: str) -> Any:
+def application(station: Station, doors: Doors, host: str) -> Any:
+    """The page, its files and its socket, to be served at an address."""
     from starlette.applications import Starlette
     from starlette.middleware import Middleware
     from starlette.middleware.trustedhost import TrustedHostMiddleware

@@ -1,9 +1,12 @@
 """The panel: who may do what, what a page gets, and a whole session with a run that it starts itself."""
 
+import asyncio
 import json
 import re
 import signal
+import socket
 import subprocess
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -16,18 +19,22 @@ import numpy as np
 import pytest
 
 from bridge.panel.clients import packed
-from bridge.panel.doors import Guest, doors_for, is_own
+from bridge.panel.doors import Doors, Guest, doors_for, is_own
+from bridge.panel.own_run import Wish
 from bridge.panel.picture import picture_of
 from bridge.panel.rig import may_operate
 from bridge.panel.series import Series, dtype_of, thinned
+from bridge.panel.server import application
+from bridge.panel.station import Place, Station
 from bridge.recording.reader import Entry, read
 from bridge.scenario import load
 from bridge.wire.access import MEMBERS, Role
+from bridge.wire.link import Link, free_endpoint
 from tests.support.command import hydrotwin_here
 from tests.support.processes import COARSE, children, started
 
 websockets = pytest.importorskip("websockets.sync.client")
-pytest.importorskip("uvicorn")
+uvicorn = pytest.importorskip("uvicorn")
 pytest.importorskip("starlette")
 PATIENT = ("--set", "loop.command_timeout=10 s")  # on a busy machine a controller may wait long for a processor
 ADDRESS = re.compile(r"panel at (http://\S+)")
@@ -124,19 +131,33 @@ def operate(page: Page, panel: int, folder: Path) -> None:
     assert any("injected" in text for text in texts)
 
 
-def test_over_a_network_a_token_says_who_may_operate():
+@contextmanager
+def served(station: Station, doors: Doors, host: str) -> Iterator[str]:
+    """A server in a thread of ours; the address of its page on this machine."""
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        config = uvicorn.Config(application(station, doors, host), log_level="critical", timeout_graceful_shutdown=1)
+        server = uvicorn.Server(config)
+        thread = threading.Thread(target=lambda: asyncio.run(server.serve([listening])))
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{listening.getsockname()[1]}/"
+        finally:
+            server.should_exit = True
+            thread.join(10.0)
+
+
+def test_over_a_network_a_token_says_who_may_operate(tmp_path: Path):
     """Without one nothing is shown; a watcher's orders are refused, and other pages' sockets."""
-    with started("panel", "nobody", "--host", "0.0.0.0", "--port", "0", "--no-open") as panel:
-        to_operate, to_watch = address_of(panel)
-        port = to_operate.partition("?")[0].rstrip("/").rpartition(":")[2]
-        here = f"http://127.0.0.1:{port}/"
+    station = Station(Place("nobody", Link(None, free_endpoint(), None, 0.1), Wish("step")), tmp_path, {})
+    doors = doors_for("0.0.0.0", watch_only=False)
+    tokens = [doors.tokens[who] for who in (Guest.OPERATOR, Guest.WATCHER)]
+    with served(station, doors, "0.0.0.0") as here:
         with pytest.raises(urllib.error.HTTPError, match="403"):
             urllib.request.urlopen(here)
         opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
-        with opener.open(f"{here}?{to_watch.partition('?')[2]}") as answer:
+        with opener.open(f"{here}?token={tokens[1]}") as answer:
             assert b"<main>" in answer.read()
             assert "default-src 'self'" in answer.headers["Content-Security-Policy"]
-        tokens = [address.rpartition("=")[2] for address in (to_operate, to_watch)]
         with opened(here, Cookie=f"hydrotwin={tokens[1]}") as watcher:
             assert watcher.hear(lambda told: told["type"] == "hello")["guest"] == "watcher"
             assert "may only watch" in watcher.ask("reset")["refused"]
@@ -145,6 +166,17 @@ def test_over_a_network_a_token_says_who_may_operate():
         for headers in ({}, {"Cookie": f"hydrotwin={tokens[0]}", "Origin": "http://elsewhere.example"}):
             with pytest.raises(Exception, match="403"), opened(here, **headers):
                 pass
+
+
+def test_on_this_machine_pages_by_other_names_are_refused(tmp_path: Path):
+    """A name of somebody else that leads to 127.0.0.1 opens no door: DNS rebinding."""
+    station = Station(Place("nobody", Link(None, free_endpoint(), None, 0.1), Wish("step")), tmp_path, {})
+    with served(station, doors_for("127.0.0.1", watch_only=False), "127.0.0.1") as here:
+        asked = urllib.request.Request(here, headers={"Host": "elsewhere.example"})
+        with pytest.raises(urllib.error.HTTPError, match="400"):
+            urllib.request.urlopen(asked)
+        with urllib.request.urlopen(f"{here}main.js") as answer:
+            assert "javascript" in answer.headers["Content-Type"]
 
 
 def test_on_this_machine_only_its_own_page_may_operate():

@@ -31,6 +31,7 @@ const heard = {
     by("rig").textContent = `rig ${message.rig}, scenario ${message.name}, ${message.mode}`;
     if ([...by("scenario").options].some((option) => option.value === message.name)) by("scenario").value = message.name;
     board.forget();
+    numbers.forget();
     plots.clear();
     schematic.show(message);
     plots.show(message.plots);

@@ -11,6 +11,10 @@ export function begin(asking) {
   by("sought").oninput = () => list();
 }
 
+export function forget() {
+  known = [];
+}
+
 export function show(numbers, watching) {
   const same = numbers.length === known.length && numbers.every((number, i) => number.name === known[i].name);
   known = numbers;
