@@ -3,7 +3,11 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: setup run test bench check endurance recordings pictures lock clean
+SITE := build/venv
+SITE_READY := $(SITE)/.ready
+BUILDER ?= zensical
+
+.PHONY: setup run test bench check endurance recordings pictures docs lock clean
 
 setup: $(READY)
 
@@ -42,10 +46,23 @@ pictures: $(READY)  ## renew the pictures of report, view and panel; needs chrom
 	$(BIN)/python -m tests.tools.pictures
 	$(BIN)/python -m tests.tools.panel_pictures
 
+docs: $(READY) $(SITE_READY)  ## the documentation site, in build/site; BUILDER=mkdocs takes MkDocs instead of Zensical
+	$(BIN)/python -m tests.tools.site build/pages
+	$(SITE)/bin/python tests/tools/site/equations.py build/pages
+	NO_MKDOCS_2_WARNING=1 DISABLE_MKDOCS_2_WARNING=true $(SITE)/bin/$(BUILDER) build --clean --strict
+	$(BIN)/python -m tests.tools.site.built build/site
+
+$(SITE_READY): docs/requirements.lock
+	@$(PYTHON) -m venv --clear $(SITE)
+	$(SITE)/bin/python -m pip install --quiet --require-hashes -r docs/requirements.lock
+	@touch $(SITE_READY)
+
 lock: $(READY)  ## pin what pyproject.toml asks for; the file holds no addresses
 	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --all-extras --group dev \
 		--generate-hashes --no-emit-index-url --no-emit-find-links --no-header --quiet -o requirements.lock
+	$(BIN)/uv pip compile --group docs --universal --python-version 3.11 \
+		--generate-hashes --no-emit-index-url --no-emit-find-links --no-header --quiet -o docs/requirements.lock
 
 clean:
-	rm -rf .venv runs .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv build .cache runs .pytest_cache .ruff_cache .hypothesis

@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 from importlib.metadata import version
 from typing import Any
@@ -16,7 +14,7 @@ from bridge.cli.catalogue import VERBS as CATALOGUE
 from bridge.cli.verbs import app
 from bridge.scenario.files import plain
 from tests.support.command import hydrotwin_here
-from tests.support.processes import ENVIRONMENT, ROOT, UNDRAWN, hydrotwin
+from tests.support.processes import ENVIRONMENT, UNDRAWN, hydrotwin
 
 VERBS = (
     *("run", "check", "scenarios", "schema", "plant", "controller", "record", "router", "reset"),
@@ -46,13 +44,6 @@ def test_the_list_of_verbs_says_what_each_says_of_itself():
     commands: Any = get_command(app)
     found = {name: command.help.split("\n\n")[0] for name, command in commands.commands.items()}
     assert found == {name: verb.words for name, verb in CATALOGUE.items()}
-
-
-@pytest.mark.parametrize("verb", VERBS)
-def test_every_verb_explains_itself(verb):
-    done = CliRunner().invoke(app, [verb, "--help"])
-    assert done.exit_code == 0
-    assert "Usage" in done.output
 
 
 @pytest.mark.parametrize(
@@ -197,23 +188,6 @@ def test_messages_print_formats_and_definitions(tmp_path):
 def test_the_schema_is_json_schema(tmp_path):
     schema = json.loads(hydrotwin_here("schema", cwd=tmp_path).stdout)
     assert schema["properties"]["loop"]
-
-
-def test_the_readme_speaks_python(tmp_path):
-    """The snippet of the README runs as it stands."""
-    snippet = (ROOT / "README.md").read_text().partition("```python\n")[2].partition("```")[0]
-    done = subprocess.run(
-        [sys.executable, "-c", snippet], capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT, timeout=120
-    )
-    assert done.returncode == 0, done.stderr
-    assert len(done.stdout.split()) == 2
-
-
-def test_the_scenario_of_the_readme_passes_its_own_check(tmp_path):
-    snippet = (ROOT / "README.md").read_text().partition("```toml\n")[2].partition("```")[0]
-    (tmp_path / "own.toml").write_text(snippet)
-    done = hydrotwin_here("check", "own.toml", cwd=tmp_path)
-    assert done.returncode == 0, done.stdout
 
 
 def test_completion_can_be_shown(monkeypatch):
