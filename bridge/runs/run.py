@@ -56,6 +56,7 @@ class Outcome(NamedTuple):
             return {"scenario": self.scenario.name} | words
         options = self.options
         how = {"mode": options.mode, "speed": options.speed, "recording": str(options.recording)}
+        how |= {"priority": self.priority} if self.priority else {}
         point = {"stability": self.stability and self.stability.plain()} if self.compared else {}
         return self.summary.plain() | how | words | point
 

@@ -1,5 +1,6 @@
 """The priority of the loop's processes, as the kernel says it."""
 
+import json
 import os
 import subprocess
 import sys
@@ -10,7 +11,7 @@ import pytest
 from bridge.machine import priority
 from bridge.machine.priority import ORDINARY, Priority, stand_back, take
 from bridge.recording.reader import read
-from tests.support.processes import COARSE, ENVIRONMENT, LOOSE, hydrotwin
+from tests.support.processes import COARSE, ENVIRONMENT, LOOSE, UNDRAWN, hydrotwin
 
 GRANTED = (
     subprocess.run([sys.executable, "-c", "import os; os.sched_setscheduler(0, 1, os.sched_param(30))"]).returncode == 0
@@ -111,11 +112,7 @@ def test_a_recorder_is_nicer_only_where_the_loop_has_no_right_of_way(is_granted:
 @pytest.mark.timed
 def test_a_run_says_what_was_granted_and_so_does_its_recording(tmp_path: Path):
     file = tmp_path / "a.mcap"
-    done = hydrotwin("run", "step", "--duration", "0.2 s", "--record", str(file), *COARSE, *LOOSE)
-    line = next(line for line in done.stdout.splitlines() if line.startswith("priority"))
-    assert line.startswith("priority   SCHED_FIFO 30")
-    assert read(file).metadata["run"]["host"]["priority"] in line
-    done = hydrotwin(
-        "run", "step", "--duration", "0.2 s", "--record", str(file), "--priority", "ordinary", *COARSE, *LOOSE
-    )
-    assert "priority   ordinary" in done.stdout
+    words = ("run", "step", "--duration", "0.2 s", "--record", str(file), *COARSE, *LOOSE, *UNDRAWN)
+    found = [json.loads(hydrotwin(*words, *how).stdout)["priority"] for how in ((), ("--priority", "ordinary"))]
+    assert found[0].startswith("SCHED_FIFO 30")
+    assert read(file).metadata["run"]["host"]["priority"] == found[1] == ORDINARY
