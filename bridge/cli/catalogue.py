@@ -146,6 +146,12 @@ VERBS = {
     "remote": Verb(
         PROCESSES, "replay:remote", "Control a replay that runs, from anywhere: prints where it stands then."
     ),
+    "foxglove": Verb(
+        PROCESSES,
+        "connecting:foxglove",
+        "Serve a rig that runs, or a replay, to Foxglove: every topic, numbers that can change, services, the play "
+        "bar.",
+    ),
     "router": Verb(
         PROCESSES, "processes:router", "Route between machines until interrupted; plants and clients use --connect."
     ),

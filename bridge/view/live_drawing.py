@@ -14,14 +14,15 @@ from bridge.scenario.channels import layout_of
 from bridge.view import length_time
 from bridge.view.content import begin, scene_of, send_curve, send_events, style
 from bridge.view.curves import CURVES, LIVE, chosen, samples
-from bridge.view.inbox import WATCHED
 from bridge.view.layout import layout
 from bridge.view.rig.eyes import eyes_of
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
-from bridge.wire.messages import EventKind, Mode
+from bridge.wire.messages import CHANNELS_TOPIC, EventKind, Mode
 from controller.grid import NS
 
+# not the loop's own, which go out at once, at a price; further channels are chosen to be looked at
+WATCHED = ("lines", "state", "reference", "signals", "said", "event", "timing", CHANNELS_TOPIC)
 SPAN = 10.0  # [s], of the maps and curves
 REDRAWN = 0.5  # [s] of simulated time, from map to map: they are the larger part of what Rerun gets
 

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from bridge.loop.exchange import exchange, sides
+from bridge.recording.inbox import Inbox, inbox, run_of
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry
 from bridge.scenario import load
-from bridge.view.inbox import WATCHED, Inbox, inbox, run_of
+from bridge.view.live_drawing import WATCHED
 from bridge.wire.bus import STAMP, Bus
 from bridge.wire.codec import encode
 from bridge.wire.limits import MESSAGE
@@ -75,7 +76,7 @@ def test_long_messages_are_left_out_and_counted():
     states, address = [entry for entry in entries if entry.topic == "state"][:5], free_endpoint()
     to, found = Link(None, address, None, 5.0), []
     with open_session(Link(address, None, None, 5.0)) as session, Bus(to, "rig", "viewer", blocking=False) as bus:
-        box, publisher = inbox(bus), session.declare_publisher("rig/state")
+        box, publisher = inbox(bus, WATCHED), session.declare_publisher("rig/state")
         wait_for(lambda: publisher.matching_status.matching, 20.0)
         for entry in states:
             payload = bytes(MESSAGE + 1) if entry is states[2] else entry.data

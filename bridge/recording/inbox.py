@@ -1,4 +1,4 @@
-"""What arrives of a running plant, gathered until it is drawn; when it comes faster than that, the oldest is left out.
+"""What arrives of a running plant, gathered until it is shown; when it comes faster than that, the oldest is left out.
 
 Zenoh's own threads fill the rings and wait for nobody, not even for Python: a reader that is slow to take a message off
 the wire would cost the plant time.
@@ -13,10 +13,8 @@ import zenoh
 from bridge.recording.reader import Entry
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.codec import decode
-from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, flat_size
+from bridge.wire.messages import TOPICS, flat_size
 
-# not the loop's own, which go out at once, at a price; further channels are chosen to be looked at
-WATCHED = ("lines", "state", "reference", "signals", "said", "event", "timing", CHANNELS_TOPIC)
 MOST = 10_000  # messages of a topic that wait, some 10 s at 1 kHz
 RUN_ID = struct.Struct("<4xQ")  # every message of ours begins with it
 
@@ -27,7 +25,7 @@ class Inbox:
     def __init__(self, rings: dict[str, Any]) -> None:
         self._rings = rings  # topic -> what gives its next message, or None
         self._next: dict[tuple[str, int], int] = {}  # topic and run -> sequence expected
-        self.left_out = 0  # messages that were never drawn
+        self.left_out = 0  # messages that were never shown
 
     def take(self) -> list[Entry]:
         """All that waits and is a message; a profile never without the state of its tick, unless that came before."""
@@ -49,8 +47,8 @@ class Inbox:
         return [entry for entry in entries if _sound(entry)]
 
 
-def inbox(bus: Bus, topics: Iterable[str] = WATCHED) -> Inbox:
-    """The inbox of a rig on a bus."""
+def inbox(bus: Bus, topics: Iterable[str]) -> Inbox:
+    """The inbox of some topics of a rig on a bus."""
     ring = zenoh.handlers.RingChannel
     return Inbox({t: bus.session.declare_subscriber(f"{bus.rig_name}/{t}", ring(MOST)) for t in topics})
 
