@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from bridge.errors import RunError, UsageError
+from bridge.recording.inbox import WATCHED, inbox, run_of
 from bridge.recording.manifest import told_by
 from bridge.recording.reader import Entry, recording
 from bridge.scenario import Scenario
-from bridge.view.inbox import WATCHED, inbox, run_of
 from bridge.wire.access import ORDERS, Role, rights
 from bridge.wire.bus import Bus
 from bridge.wire.link import Link

@@ -10,12 +10,12 @@ from bridge.panel.plots import DIGITS, key_of, plots_of
 from bridge.panel.rig import Rig, told
 from bridge.panel.series import Points, Rows, Series, dtype_of, thinned
 from bridge.panel.words import estimate_words, event_words, health_words, units_logged
+from bridge.recording.inbox import run_of
 from bridge.recording.own_signals import own_columns
 from bridge.recording.reader import Entry
 from bridge.scenario import Scenario
 from bridge.scenario.channels import layout_of
 from bridge.view.curves import Curve
-from bridge.view.inbox import run_of
 from bridge.wire.codec import decode
 from bridge.wire.messages import CHANNELS_TOPIC, ESTIMATE, HEALTH, TOLD
 from controller.grid import NS

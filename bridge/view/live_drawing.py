@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from bridge.recording.frames import Frames, frames
+from bridge.recording.inbox import WATCHED
 from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.shown import line_ends
@@ -18,11 +19,9 @@ from bridge.view.layout import layout
 from bridge.view.rig.eyes import eyes_of
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
-from bridge.wire.messages import CHANNELS_TOPIC, EventKind, Mode
+from bridge.wire.messages import EventKind, Mode
 from controller.grid import NS
 
-# not the loop's own, which go out at once, at a price; further channels are chosen to be looked at
-WATCHED = ("lines", "state", "reference", "signals", "said", "event", "timing", CHANNELS_TOPIC)
 SPAN = 10.0  # [s], of the maps and curves
 REDRAWN = 0.5  # [s] of simulated time, from map to map: they are the larger part of what Rerun gets
 

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from bridge.loop.exchange import exchange, sides
-from bridge.recording.inbox import Inbox, inbox, run_of
+from bridge.recording.inbox import WATCHED, Inbox, inbox, run_of
 from bridge.recording.manifest import manifest
 from bridge.recording.reader import Entry
 from bridge.scenario import load
-from bridge.view.live_drawing import WATCHED
 from bridge.wire.bus import STAMP, Bus
 from bridge.wire.codec import encode
 from bridge.wire.limits import MESSAGE
