@@ -54,8 +54,11 @@ def _rows(_: Any, flat: Any, count: Any, width: Any) -> Any:
     return flat.copy(ndim=2)(flat, types.intp, types.intp), code
 
 
-def native_code(function: Any, examples: tuple[Any, ...], **options: Any) -> NativeCode:
-    """Compile a function for arguments of the types of the examples. It returns None or a number."""
+def native_code(function: Any, examples: tuple[Any, ...], **options: Any) -> tuple[NativeCode, bytes]:
+    """Compile a function for arguments of the types of the examples. It returns None or a number.
+
+    And its module of LLVM, as bitcode, of which code for other processors can be made.
+    """
     bare: Any = options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     dispatcher: Any = numba.njit(**bare)(function)
     dispatcher.compile(tuple(map(numba.typeof, examples)))
@@ -64,7 +67,8 @@ def native_code(function: Any, examples: tuple[Any, ...], **options: Any) -> Nat
     if returned not in (types.none, types.float64):
         raise TypeError(f"{function.__name__} returns {returned}: an entry returns None or a number")
     library = result.library
-    return NativeCode(library._get_compiled_object(), _caller(result), _needed(library), returned is types.float64)
+    code = NativeCode(library._get_compiled_object(), _caller(result), _needed(library), returned is types.float64)
+    return code, library._final_module.as_bitcode()
 
 
 def _needed(library: Any) -> tuple[str, ...]:

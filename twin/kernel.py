@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, get_args, get_type_hints
 
 from twin.cache_folder import cache_directory
-from twin.native_code import Entry, Loaded, kept, kinds
+from twin.native_code import Entry, Loaded, NativeCode, kept, kinds
 
 F = TypeVar("F", bound=Callable[..., Any])
 P = ParamSpec("P")
@@ -86,14 +86,36 @@ class Alike:
         return hash(self._kinds)
 
 
+def module_of(function: Any, *examples: Any) -> bytes:
+    """The module of LLVM, as bitcode, that the code of a kernel for arguments of the types of some examples is made of.
+
+    It was optimised for this processor, and gives the same bits on another one, but for its library of mathematics.
+    """
+    return kept(FOLDER, _module_name(function), examples, lambda: _compiled_for(function, examples)[1])
+
+
 @cache
 def _loaded(function: Any, alike: Alike) -> Loaded:
-    def make() -> Any:
-        from twin.compiler import native_code
+    def make() -> NativeCode:
+        code, module = _compiled_for(function, alike.examples)
+        kept(FOLDER, _module_name(function), alike.examples, lambda: module)
+        return code
 
-        return native_code(function.py_func, alike.examples, **function.options)
+    return Loaded(kept(FOLDER, _full_name(function), alike.examples, make))
 
-    return Loaded(kept(FOLDER, f"{function.__module__}.{function.__qualname__}", alike.examples, make))
+
+def _full_name(function: Any) -> str:
+    return f"{function.__module__}.{function.__qualname__}"
+
+
+def _module_name(function: Any) -> str:
+    return f"{_full_name(function)}.module"
+
+
+def _compiled_for(function: Any, examples: tuple[Any, ...]) -> tuple[NativeCode, bytes]:
+    from twin.compiler import native_code
+
+    return native_code(function.py_func, examples, **function.options)
 
 
 class _Kernel:

@@ -12,13 +12,14 @@ from contextlib import suppress
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
 import numpy as np
 from llvmlite import binding
 
 from twin.sealed_files import Files
 
+T = TypeVar("T")
 CALLER = "call_from_slots"
 RESULT, ERROR, FIRST = 0, 1, 2  # slots: the result, numba's word on an exception, the first argument
 
@@ -47,8 +48,8 @@ def _written(dtype: np.dtype[Any]) -> str:
     return str(dtype)
 
 
-def kept(folder: Path | None, name: str, examples: tuple[Any, ...], make: Callable[[], NativeCode]) -> NativeCode:
-    """The code of a kernel for arguments like the examples, from disk where it is there and whole, or made."""
+def kept(folder: Path | None, name: str, examples: tuple[Any, ...], make: Callable[[], T]) -> T:
+    """What was made of a kernel for arguments like the examples, from disk where it is there and whole, or made."""
     if folder is None:
         return make()
     processor = binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
@@ -99,7 +100,7 @@ class Entry:
         self.call, self._returns = loaded.call, loaded.returns
         self._kinds = [*map(kinds, examples)]
         self._last: list[Any] = [None] * len(examples)
-        sizes = [len([*_numbers(example)]) for example in examples]
+        sizes = [len([*numbers_of(example)]) for example in examples]
         self.begins = [FIRST + sum(sizes[:place]) for place in range(len(sizes))]
         slots = (ctypes.c_int64 * (FIRST + sum(sizes)))()
         self.whole: Any = memoryview(slots).cast("B").cast("q")
@@ -122,7 +123,7 @@ class Entry:
         elif kinds(argument) != kind:
             raise TypeError(f"argument {place} is {kinds(argument)}, not {kind}")
         else:
-            for slot, number in zip(count(begin), _numbers(argument)):
+            for slot, number in zip(count(begin), numbers_of(argument)):
                 (self.floats if isinstance(number, float) else self.whole)[slot] = number
         self._last[place] = argument
 
@@ -137,7 +138,7 @@ class Entry:
         raise RuntimeError("the kernel has raised an exception")
 
 
-def _numbers(value: Any) -> Iterator[float]:
+def numbers_of(value: Any) -> Iterator[float]:
     """An argument as numba's code takes it, number by number."""
     if isinstance(value, np.ndarray):
         if not value.flags.c_contiguous:
@@ -145,6 +146,6 @@ def _numbers(value: Any) -> Iterator[float]:
         yield from (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
     elif isinstance(value, tuple):
         for entry in value:
-            yield from _numbers(entry)
+            yield from numbers_of(entry)
     else:
         yield value

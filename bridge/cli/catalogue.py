@@ -107,6 +107,11 @@ VERBS = {
     "digest": Verb(
         LOOK, "recordings:digest", "Print one hash per data channel; with several files, say whether they are the same."
     ),
+    "fmu": Verb(
+        LOOK,
+        "fmu:app",
+        "Write a scenario's plant or controller as an FMU, compiled, for Simulink and other tools: docs/fmu.md.",
+    ),
     "messages": Verb(
         LOOK,
         "machine:messages",

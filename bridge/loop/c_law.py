@@ -54,6 +54,14 @@ def c_law(controller: InC) -> ControlLaw:
     )
 
 
+def exports_of(controller: InC, gains: CGains) -> Exports:
+    """What the library of a controller says of its law. Raises ScenarioError for numbers that do not fit it."""
+    code = _code(controller)
+    exports = Library(code).exports()
+    _prepared(gains, exports, code.label)
+    return exports
+
+
 def _fresh(first: list[Library], code: Code) -> Library:
     """A copy of a library that no run has used, also for runs of several threads."""
     with suppress(IndexError):

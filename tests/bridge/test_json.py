@@ -53,6 +53,8 @@ ALONE = {  # what each verb is called with; FILE is a recording
     "follow": ("FILE", "-o", "followed.mcap", "--json"),
     "whatif": ("FILE", "--horizon", "0.1 s", "--json"),
     "digest": ("FILE", "FILE", "--json"),
+    "fmu plant": ("step", "-o", "rig.fmu", "--json"),
+    "fmu controller": ("step", "-o", "law.fmu", "--json"),
     "messages": ("--json",),
     "figures": ("--json",),
     "figure": ("2.14", "--json"),

@@ -17,7 +17,7 @@ from twin.circuit.state import SLOT_AT, place_of
 from twin.compliant import STRETCH
 from twin.environment import Environment
 from twin.kept import FOLLOWS, kept
-from twin.kernel import interpreted
+from twin.kernel import interpreted, kernel
 from twin.load import Weight
 from twin.load_slot import AnyLoad, rod_force
 from twin.table import Curve
@@ -30,12 +30,12 @@ PLACES_SEEN = {name: place for place, name in enumerate(OBSERVED)}
 SPEED = [*CHANNELS].index("velocity")  # of the taps
 
 
-def _place(slot: str, number: int) -> int:
+def place_kept(slot: str, number: int) -> int:
     """Where a kind's number stands in a flat state."""
     return SLOT_AT[SLOTS.index(slot)] + number
 
 
-POSITION_AT, LOAD_AT = place_of("piston.position"), _place("load", 0)
+POSITION_AT, LOAD_AT = place_of("piston.position"), place_kept("load", 0)
 WEIGHT_AT = np.array([place_of(f"weight.{name}") for name in Weight._fields])
 
 
@@ -59,6 +59,16 @@ def force(now: Moment) -> float:
     load, weight = as_load(record.dtype, record.item()), Weight(*now.state[WEIGHT_AT].tolist())
     place, memory = now.state[POSITION_AT], now.state[LOAD_AT : LOAD_AT + SLOT]
     return interpreted(rod_force)(load, place, now.taps[1, SPEED], acceleration(now), weight, memory)
+
+
+@kernel
+def rod(parts, state, taps, out) -> None:
+    """`force` as native code gives it, into out[0]; parts: a record of `Parts`."""
+    c = parts[0]
+    speed = taps[1, SPEED]
+    weight = Weight(state[WEIGHT_AT[0]], state[WEIGHT_AT[1]], state[WEIGHT_AT[2]])
+    gained = (speed - taps[0, SPEED]) / c.step
+    out[0] = rod_force(c.load, state[POSITION_AT], speed, gained, weight, state[LOAD_AT : LOAD_AT + SLOT])
 
 
 def far_position(now: Moment) -> float:
@@ -88,7 +98,7 @@ class Sensing:
     def __init__(self, names: Iterable[str], plant: Compiled, values: Values) -> None:
         """values: the numbers of the rig, which say what is fitted."""
         chosen, own = [*enumerate(names)], kept(values)
-        held = {name: _place(slot, entry.number) for name, (slot, entry) in own.items() if entry.number != FOLLOWS}
+        held = {name: place_kept(slot, entry.number) for name, (slot, entry) in own.items() if entry.number != FOLLOWS}
         self._parts = plant.parts
         self._values = np.zeros(len(chosen))
         self._seen = _pairs((j, PLACES_SEEN.get(name)) for j, name in chosen)
