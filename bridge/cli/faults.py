@@ -57,7 +57,7 @@ def _wanted(target: str, kind: str, numbers: list[str], end: str | None) -> dict
 
 
 def faults(
-    scenario: Annotated[str, typer.Argument(help="Of this scenario's drive.")] = "step",
+    scenario: Annotated[str, typer.Argument(help="Scenario whose drive is meant.")] = "step",
     as_json: AS_JSON = False,
 ) -> None:
     """List what can go wrong: targets, kinds, and the numbers of each."""

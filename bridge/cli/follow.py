@@ -44,7 +44,9 @@ def follow(
     commissioning: COMMISSIONING = "30 s",
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Of a recording. [default: FILE-followed.mcap]", show_default=False),
+        typer.Option(
+            "--output", "-o", help="File to write, with a recording. [default: FILE-followed.mcap]", show_default=False
+        ),
     ] = None,
     mode: MODE = ProcessMode.REALTIME,
     connect: CONNECT = DEFAULT_ENDPOINT,
@@ -113,7 +115,9 @@ def whatif(
     rig: Annotated[str, typer.Argument(help="Name of a rig that runs, or a recording, .mcap.", metavar="RIG|FILE")],
     changes: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Of the controller, or the reference: controller.gain=2."),
+        typer.Option(
+            "--set", metavar="KEY=VALUE", help="Number of the controller or the reference to change: controller.gain=2."
+        ),
     ] = None,
     horizon: Annotated[str, typer.Option(help="How far to look, such as '5 s'.")] = "5 s",
     expect: Annotated[
@@ -121,8 +125,10 @@ def whatif(
         typer.Option("--expect", metavar="BAND", help="What must hold: 'limit cycle: none', 'peak p1 <= 90 bar'."),
     ] = None,
     risk: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of the futures that may break a band.")] = 0.05,
-    at: Annotated[str | None, typer.Option(help="Of a recording: from when, such as '3 s'. [default: its end]")] = None,
-    listen_for: Annotated[str, typer.Option("--listen-for", help="Of a rig: how long to follow it before.")] = "2 s",
+    at: Annotated[
+        str | None, typer.Option(help="With a recording: from when on, such as '3 s'. [default: its end]")
+    ] = None,
+    listen_for: Annotated[str, typer.Option("--listen-for", help="With a rig: how long to follow it before.")] = "2 s",
     members: MEMBERS = 24,
     connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,

@@ -21,7 +21,8 @@ def import_log(
         Path | None, typer.Option("--map", help="Map, .toml: which column is which signal.", show_default=False)
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="[default: LOG.mcap, here]", show_default=False)
+        Path | None,
+        typer.Option("--output", "-o", help="Recording to write. [default: LOG.mcap, here]", show_default=False),
     ] = None,
     guess: Annotated[
         bool,

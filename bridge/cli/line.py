@@ -16,9 +16,9 @@ SCHEME = Annotated[
     ),
 ]
 BRANCH = Annotated[str | None, typer.Option(help="Length of a branch; scheme moc.")]
-BRANCH_DIAMETER = Annotated[str | None, typer.Option(help="Its inner diameter. [default: the pipe's]")]
-BRANCH_AT = Annotated[str | None, typer.Option(help="Where it leaves. [default: the middle]")]
-BRANCH_END = Annotated[str, typer.Option(help="Its far end: closed or reservoir.")]
+BRANCH_DIAMETER = Annotated[str | None, typer.Option(help="Inner diameter of the branch. [default: the pipe's]")]
+BRANCH_AT = Annotated[str | None, typer.Option(help="Where the branch leaves the pipe. [default: the middle]")]
+BRANCH_END = Annotated[str, typer.Option(help="Far end of the branch: closed or reservoir.")]
 TOLERANCE = Annotated[str | None, typer.Option(help="Pressure; the esdirk pairs then choose their steps.")]
 CAVITATION = Annotated[bool, typer.Option("--cavitation", help="Vapour cavities; scheme ends or nodes.")]
 
@@ -27,16 +27,20 @@ def line(
     length: Annotated[str, typer.Option(help="Length of the pipe.")] = "2.5 m",
     diameter: Annotated[str, typer.Option(help="Inner diameter.")] = "11 mm",
     oil: Annotated[str, typer.Option(help="rig: the oil of the rig.")] = "rig",
-    temperature: Annotated[str, typer.Option(help="Of the oil, -20 to 80 degC.")] = "40.07 degC",
-    viscosity: Annotated[str | None, typer.Option(help="Instead, in m^2/s or mm^2/s.")] = None,
-    density: Annotated[str | None, typer.Option(help="Instead of that oil's.")] = None,
-    speed: Annotated[str | None, typer.Option(help="Of waves; else from oil, wall and Young's modulus.")] = None,
+    temperature: Annotated[str, typer.Option(help="Temperature of the oil, -20 to 80 degC.")] = "40.07 degC",
+    viscosity: Annotated[
+        str | None, typer.Option(help="Viscosity in place of that of the oil, in m^2/s or mm^2/s.")
+    ] = None,
+    density: Annotated[str | None, typer.Option(help="Density in place of that of the oil.")] = None,
+    speed: Annotated[
+        str | None, typer.Option(help="Wave speed. [default: from oil, wall and Young's modulus]", show_default=False)
+    ] = None,
     wall: Annotated[str, typer.Option(help="Thickness of the elastic wall.")] = "2 mm",
     young: Annotated[str, typer.Option(help="Young's modulus of the wall.")] = "210 GPa",
     left: Annotated[str, typer.Option(help="closed, reservoir, shut, open or push.")] = "shut",
-    right: Annotated[str, typer.Option(help="The same for the other end.")] = "reservoir",
+    right: Annotated[str, typer.Option(help="The right end, as --left.")] = "reservoir",
     velocity: Annotated[str, typer.Option(help="From left to right, before shut or after open.")] = "1 m/s",
-    pressure: Annotated[str, typer.Option(help="Of a reservoir, and before a push.")] = "20 bar",
+    pressure: Annotated[str, typer.Option(help="Pressure of a reservoir, and before a push.")] = "20 bar",
     rise: Annotated[str, typer.Option(help="Pressure added by a push.")] = "10 bar",
     closure: Annotated[str, typer.Option(help="Time to shut, open or push.")] = "1 ms",
     span: Annotated[str | None, typer.Option(help="Simulated time. [default: 20 wave travel times]")] = None,
@@ -45,11 +49,11 @@ def line(
         str,
         typer.Option(help="none, steady, quasi-steady, brunone, zielke, trikha, kagawa, schohl, fit or convolution."),
     ] = "fit",
-    cells: Annotated[int, typer.Option(help="Along the pipe.")] = 50,
-    step: Annotated[str | None, typer.Option(help="Of SPACE/TIME and the rig's lines.")] = None,
-    courant: Annotated[float, typer.Option(help="Of moc, up to 1.")] = 1.0,
+    cells: Annotated[int, typer.Option(help="Cells along the pipe.")] = 50,
+    step: Annotated[str | None, typer.Option(help="Time step of SPACE/TIME and of the rig's lines.")] = None,
+    courant: Annotated[float, typer.Option(help="Courant number of moc, up to 1.")] = 1.0,
     tolerance: TOLERANCE = None,
-    poles: Annotated[int, typer.Option(help="Of friction zielke.")] = 100,
+    poles: Annotated[int, typer.Option(help="Poles of friction zielke.")] = 100,
     cavitation: CAVITATION = False,
     branch: BRANCH = None,
     branch_diameter: BRANCH_DIAMETER = None,

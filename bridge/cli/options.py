@@ -88,7 +88,9 @@ CONFIG = Annotated[
 MODE = Annotated[ProcessMode, typer.Option(help="What paces the loop.")]
 PRIORITY = Annotated[
     Priority,
-    typer.Option(help="Of the loop's processes: auto takes SCHED_FIFO and locked memory in real time where granted."),
+    typer.Option(
+        help="Priority of the loop's processes: auto takes SCHED_FIFO and locked memory in real time where granted."
+    ),
 ]
 QUIET = Annotated[bool, typer.Option("--quiet", help="Do not say on the terminal what happens.")]
 WORKERS = Annotated[int, typer.Option(min=0, help="Processes for runs. [default: one per core]", show_default=False)]

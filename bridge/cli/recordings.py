@@ -31,7 +31,8 @@ def recover(
         typer.Argument(metavar="FILE...", help="A truncated recording, or the parts of one."),
     ],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="[default: FILE-recovered.mcap]", show_default=False)
+        Path | None,
+        typer.Option("--output", "-o", help="Recording to write. [default: FILE-recovered.mcap]", show_default=False),
     ] = None,
     as_json: AS_JSON = False,
 ) -> None:
@@ -68,7 +69,8 @@ def export(
         bool, typer.Option("--absolute", help="Absolute pressures: gauge and 1 bar of ambient.")
     ] = False,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="[default: beside FILE]", show_default=False)
+        Path | None,
+        typer.Option("--output", "-o", help="File or folder to write. [default: beside FILE]", show_default=False),
     ] = None,
     as_json: AS_JSON = False,
 ) -> None:

@@ -102,7 +102,9 @@ def _replay_into(
 
 def remote(
     verb: Annotated[str, typer.Argument(help="pause, resume, toggle, step, seek, skip, speed, faster, status, quit")],
-    value: Annotated[str, typer.Argument(help="Of seek '1.2 s', of skip seconds, of speed a number or max.")] = "",
+    value: Annotated[
+        str, typer.Argument(help="For seek a time ('1.2 s'), for skip seconds, for speed a number or max.")
+    ] = "",
     rig: Annotated[str, typer.Option(help="Name of the rig.")] = "rig",
     connect: Annotated[str, typer.Option(help="Address of the replay or of a router.")] = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,

@@ -37,8 +37,8 @@ def run(
     scenario: SCENARIO,
     mode: Annotated[Mode, typer.Option(help="What paces the loop.")] = Mode.REALTIME,
     speed: Annotated[float, typer.Option(min=0.01, max=100.0, help="Simulated seconds per second.")] = 1.0,
-    duration: Annotated[str | None, typer.Option(help="Instead of the scenario's, such as '5 s'.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Instead of the scenario's.")] = None,
+    duration: Annotated[str | None, typer.Option(help="Duration in place of the scenario's, such as '5 s'.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed in place of the scenario's.")] = None,
     changes: CHANGES = None,
     recording: RECORD = None,
     summary_file: Annotated[

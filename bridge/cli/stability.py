@@ -34,8 +34,12 @@ SIMULATE = Annotated[
         "--simulate", help="Lay runs of the nonlinear dimensionless actuator over; --at alpha=, start=, limit=."
     ),
 ]
-DERIVATIVE = Annotated[str, typer.Option(help="Of the dimensionless controller: measured, backward or filtered.")]
-FILTER_TIME = Annotated[float | None, typer.Option(min=0.0, help="Of the filtered derivative, in sampling periods.")]
+DERIVATIVE = Annotated[
+    str, typer.Option(help="Derivative of the dimensionless controller: measured, backward or filtered.")
+]
+FILTER_TIME = Annotated[
+    float | None, typer.Option(min=0.0, help="Lag of the filtered derivative, in sampling periods.")
+]
 WIDEST = 24  # columns, of a bar of the picture
 NARROWEST = 0.1  # [mm], where a bar begins
 STEP_HEADS = ("settles from", "up to", "upper edge below", "starts with", "at", "seen to swing at")
@@ -307,7 +311,7 @@ def map_stability(
     about: Annotated[str, typer.Option(help="Point of the rig: rest, up or down. [default: rest]")] = "",
     changes: CHANGES = None,
     fixed: FIXED = None,
-    cells: Annotated[int, typer.Option(min=2, max=1000, help="Of the theory, per side.")] = 120,
+    cells: Annotated[int, typer.Option(min=2, max=1000, help="Cells of the theory, per side.")] = 120,
     runs: RUNS = 8,
     simulate: SIMULATE = False,
     derivative: DERIVATIVE = "measured",

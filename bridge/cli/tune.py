@@ -25,7 +25,7 @@ SUBJECT = Annotated[
     typer.Option("--subject-to", metavar="BAND", help="What must be kept, such as 'overshoot <= 5 %'. Repeatable."),
 ]
 RUNS = Annotated[int, typer.Option(min=30, max=100_000, help="Runs at most.")]
-SEED = Annotated[int, typer.Option(min=0, help="Of the search.")]
+SEED = Annotated[int, typer.Option(min=0, help="Seed of the search.")]
 RESULT = Annotated[
     Path | None,
     typer.Option(

@@ -15,7 +15,7 @@ OUTPUT = Annotated[Path, typer.Option("--output", "-o", help="Folder for the pic
 SCENARIO = Annotated[str, typer.Option("--scenario", help="Whose rig.")]
 SEAT = Annotated[str, typer.Argument(help="chamfered or conical.")]
 FLOW = Annotated[str, typer.Option(help="Flow into the volume before the seat.")]
-PRECOMPRESSION = Annotated[str, typer.Option(help="Of the spring.")]
+PRECOMPRESSION = Annotated[str, typer.Option(help="Precompression of the spring.")]
 
 
 @app.command()
