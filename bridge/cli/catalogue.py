@@ -179,6 +179,11 @@ VERBS = {
         "faults:fault",
         "Inject a fault into a rig that runs, or end one; the recording keeps both, and a replay repeats them.",
     ),
+    "status": Verb(
+        PROCESSES,
+        "status:status",
+        "Say who is at a rig that runs and how each is doing: plant, controller, recorder, follower.",
+    ),
     "watch": Verb(
         PROCESSES,
         "tuning:watch",

@@ -128,7 +128,9 @@ def whatif(
     at: Annotated[
         str | None, typer.Option(help="With a recording: from when on, such as '3 s'. [default: its end]")
     ] = None,
-    listen_for: Annotated[str, typer.Option("--listen-for", help="With a rig: how long to follow it before.")] = "2 s",
+    listen_for: Annotated[
+        str, typer.Option("--listen-for", help="With a rig: how long to follow it before, at least.")
+    ] = "2 s",
     members: MEMBERS = 24,
     connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,

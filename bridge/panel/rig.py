@@ -15,10 +15,10 @@ from bridge.scenario import Scenario
 from bridge.wire.access import ORDERS, Role, rights
 from bridge.wire.bus import Bus
 from bridge.wire.link import Link
-from bridge.wire.messages import ESTIMATE, GOING, HEALTH, Phase
+from bridge.wire.messages import GOING, Phase
 from bridge.wire.status import numbers_of
 
-HEARD = (*WATCHED, "status", ESTIMATE, HEALTH)
+HEARD = (*WATCHED, "status")
 CARD = ("measurement",)  # of a rig that tells nothing of its true state
 LEASE = 2.0  # [s] of our silence after which the plant gives us up
 PATIENCE = 5.0  # [s] for an answer

@@ -20,6 +20,7 @@ from bridge.scenario import changed
 from bridge.scenario.untrusted import parsed_json
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode, ready
+from bridge.wire.health import PLACES
 from bridge.wire.limits import WAITING_RECORDS, Excess
 from bridge.wire.link import Link
 from bridge.wire.messages import ESTIMATE, HEALTH, INNOVATION, TOPICS, Mode, Outgoing, Phase
@@ -128,8 +129,13 @@ class FollowerProcess:
         own = {"standing": float(self._standing), "restarts": float(max(0, self.side.restarts)), "lag": lag}
         own["processor_share"] = self._share()
         if self.side.health is not None:
-            own["verdict"] = float(self.side.health.latest.verdict)
+            own |= {"verdict": float(self.side.health.latest.verdict), "first": float(self._suspect())}
         self.bus.publish_status(self.side.run_id, max(0, self.side.now), Phase.RUNNING, own)
+
+    def _suspect(self) -> int:
+        """The place of the likeliest fault in the health message's table; -1 none."""
+        suspects = self.side.health.latest.suspects if self.side.health is not None else ()
+        return PLACES.index(suspects[0]) if suspects else -1
 
     def _share(self) -> float:
         worked, took = time.process_time() - self._began[0], time.monotonic() - self._began[1]

@@ -19,7 +19,8 @@ from twin.estimation.settings import Settings
 
 HEARD = ("command", "event", "measurement")
 REMEMBERED = 5000  # measurements that a law may have seen
-SLOWEST = 20.0  # times as long as the listening takes in simulated time, then it gives up
+LONGEST = 5.0  # times as long as asked for, in simulated time, until the rig is known
+SLOWEST = 20.0  # times as long as that in wall time, then it gives up
 
 
 class Heard(NamedTuple):
@@ -31,7 +32,10 @@ class Heard(NamedTuple):
 
 
 def listen(rig: str, link: Link, seconds: float, settings: Settings) -> Heard:
-    """Follow a rig for some seconds of simulated time. Raises RunError where it is silent or nothing is found out."""
+    """Follow a rig for some seconds of simulated time, and on until it is known, up to `LONGEST` times as long.
+
+    Raises RunError where it is silent or nothing is found out.
+    """
     stop, inbox = Stop(), queue.SimpleQueue()
     with Bus(link, rig, "viewer", blocking=False) as bus:
         ready(*HEARD)
@@ -43,21 +47,31 @@ def listen(rig: str, link: Link, seconds: float, settings: Settings) -> Heard:
         side, recent = FollowerSide(scenario, settings), deque(maxlen=REMEMBERED)
         for topic in HEARD:
             bus.subscribe(topic, lambda sample, topic=topic: inbox.put((topic, sample.payload.to_bytes())))
-        deadline, begun = time.monotonic() + link.patience + SLOWEST * seconds, -1
+        deadline, begun = time.monotonic() + link.patience + SLOWEST * LONGEST * seconds, -1
         while time.monotonic() < deadline and not listening():
             try:
                 topic, payload = inbox.get(timeout=0.1)
             except queue.Empty:
                 continue
             begun = _take(side, topic, payload, recent, begun)
-            if begun >= 0 and side.now - begun >= seconds * NS:
+            if begun >= 0 and heard_enough(side, (side.now - begun) / NS, seconds):
                 break
-    if side.latest is None or side.latest.standing != Standing.FOLLOWING:
+    if not known(side):
         raise RunError(
-            f"rig {rig!r}: after {seconds:g} s it is not known well enough; listen longer with --listen-for, or see "
-            "what `hydrotwin follow` says"
+            f"rig {rig!r}: after {max(0, side.now - begun) / NS:.3g} s it is not known well enough; listen longer with "
+            "--listen-for, or see what `hydrotwin follow` says"
         )
     return Heard(side, scenario, list(recent))
+
+
+def known(side: FollowerSide) -> bool:
+    """Is there an estimate to go on from?"""
+    return side.latest is not None and side.latest.standing == Standing.FOLLOWING
+
+
+def heard_enough(side: FollowerSide, passed: float, seconds: float) -> bool:
+    """Has it listened for as long as asked for and knows the rig now, or for so long that it will not [s]?"""
+    return passed >= (seconds if known(side) else LONGEST * seconds)
 
 
 def _take(side: FollowerSide, topic: str, payload: bytes, recent: deque[Any], begun: int) -> int:

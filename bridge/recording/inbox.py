@@ -13,10 +13,10 @@ import zenoh
 from bridge.recording.reader import Entry
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.codec import decode
-from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, flat_size
+from bridge.wire.messages import CHANNELS_TOPIC, ESTIMATE, HEALTH, TOPICS, flat_size
 
 # what people look at: not the loop's own, which go out at once, at a price; further channels are chosen to be seen
-WATCHED = ("lines", "state", "reference", "signals", "said", "event", "timing", CHANNELS_TOPIC)
+WATCHED = ("lines", "state", "reference", "signals", "said", "event", "timing", CHANNELS_TOPIC, ESTIMATE, HEALTH)
 MOST = 10_000  # messages of a topic that wait, some 10 s at 1 kHz
 RUN_ID = struct.Struct("<4xQ")  # every message of ours begins with it
 

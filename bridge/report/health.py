@@ -5,14 +5,13 @@ from typing import Any
 import numpy as np
 
 from bridge.drawing.colours import LIGHT
+from bridge.recording.verdicts import verdicts_of
 from bridge.report.charts import canvas, finish
 from bridge.report.subject import Run
 from bridge.wire.health import DEVIATE, PLACES
 from bridge.wire.messages import HEALTH
 from controller.grid import NS
-from twin.estimation.hypotheses import HYPOTHESES, Verdict
 
-NONE = -1
 QUIET = 3.0  # deviates beyond which a hypothesis has a colour of its own
 
 
@@ -40,14 +39,7 @@ def draw_health(run: Run) -> Any:
 
 def caption_of(run: Run) -> str:
     """What the lines are, and the verdicts one after the other."""
-    found = run.recording.columns(HEALTH)
-    said, before = [], None
-    for stamp, verdict, first in zip(found["stamp"], found["verdict"], found["first"], strict=True):
-        if (verdict, first) != before:
-            what = Verdict(int(verdict)).name.lower().replace("_", " ")
-            named = f" {HYPOTHESES[PLACES[int(first)]].words}" if first != NONE else ""
-            said.append(f"{stamp / NS:g} s {what}{named}")
-        before = verdict, first
+    said = [f"{said.stamp / NS:g} s {said.words}" for said in verdicts_of(run.recording)]
     return (
         f"How far what each fault moves has gone from its baseline; grey: less than {QUIET:g}; dotted: the limit of an "
         f"alarm. {'; '.join(said)}."

@@ -1,6 +1,6 @@
 """What a recording becomes in Rerun: the rig, maps of its pipes, curves and events on simulated time."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from bridge.recording.reader import Recording
 from bridge.recording.seen import instants, seen
 from bridge.recording.shown import GROUPS, line_ends
 from bridge.recording.told import events_of
+from bridge.recording.verdicts import Said, verdicts_of
 from bridge.recording.words import run_in_words
 from bridge.scenario import Scenario
 from bridge.scenario.fitted import of_drive
@@ -27,6 +28,7 @@ from bridge.view.rig.stage import Stage, stage
 from bridge.view.timeline import time_column
 from bridge.wire.messages import COMING, EventKind
 from controller.grid import NS
+from twin.estimation.hypotheses import Verdict
 
 APPLICATION = "hydrotwin"
 CHANGES, MARK = "position_mm/change", DARK["violet"]
@@ -59,7 +61,7 @@ def send(stream: Any, recording: Recording, bare: bool = False) -> None:
     style(stream, own.curves)
     for curve, stamps, values in curves:
         send_curve(stream, curve, stamps, values)
-    send_events(stream, recording)
+    send_events(stream, recording, verdicts_of(recording))
     _send_changes(stream, recording)
     _send_rig(stream, recording)
     stream.flush()
@@ -101,16 +103,18 @@ def send_curve(stream: Any, curve: Curve, stamps: Any, values: Any) -> None:
     stream.send_columns(curve.entity, [time_column(stamps)], rr.Scalars.columns(scalars=values))
 
 
-def send_events(stream: Any, recording: Recording) -> None:
-    """Send a recording's events as text."""
+def send_events(stream: Any, recording: Recording, verdicts: Sequence[Said]) -> None:
+    """Send a recording's events, and verdicts on the health of its rig, as text."""
     import rerun as rr
 
-    events = events_of(recording)
+    events = [(e.stamp, f"{e.kind}: {e.text}", e.kind in GRAVE) for e in events_of(recording)]
+    events += [(said.stamp, f"health: {said.words}", said.verdict > Verdict.HEALTHY) for said in verdicts]
     if not events:
         return
-    text = [f"{event.stamp / 1e9:9.3f} s  {event.kind}: {event.text}" for event in events]
-    level = ["WARN" if event.kind in GRAVE else "INFO" for event in events]
-    stamps = np.array([event.stamp for event in events])
+    events.sort(key=lambda event: event[0])
+    text = [f"{stamp / NS:9.3f} s  {words}" for stamp, words, _ in events]
+    level = ["WARN" if grave else "INFO" for *_, grave in events]
+    stamps = np.array([stamp for stamp, *_ in events])
     stream.send_columns(EVENTS, [time_column(stamps)], rr.TextLog.columns(text=text, level=level))
 
 

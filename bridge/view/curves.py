@@ -1,7 +1,7 @@
 """Which curves a recording shows: in which picture, from which message, in the units people read."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,8 @@ from bridge.recording.reader import Recording
 from bridge.recording.seen import STATE, seen
 from bridge.recording.shown import GROUPS, MEASURED, ORDER, tap_words
 from bridge.scenario.units import shown
+from bridge.view import followed
+from bridge.view.curve import Curve
 from bridge.wire.channels import Layout
 from bridge.wire.messages import CHANNELS_TOPIC
 from twin.topology import PRESSURES
@@ -48,25 +50,6 @@ LIVE = {  # what the axes hold before anybody knows
     "places_bar": (-5.0, 85.0),
 }
 MARGIN = 0.06  # of an axis, above and below its curves
-
-
-class Curve(NamedTuple):
-    """One line of a picture."""
-
-    picture: str
-    name: str
-    label: str
-    topic: str
-    field: str
-    scale: float  # from what the message holds (SI, or ns of wall time) to what is shown
-    colour: tuple[int, int, int]
-    width: float  # [points]
-    held: bool = False  # a value is in force until the next one
-
-    @property
-    def entity(self) -> str:
-        """Where it stands in the viewer."""
-        return f"{self.picture}/{self.name}"
 
 
 def _true(group: str) -> list[Curve]:
@@ -156,11 +139,11 @@ class Chosen(NamedTuple):
     titles: dict[str, str]
 
 
-def chosen(layout: Layout, logged: Mapping[str, str]) -> Chosen:
-    """Those of further channels, and of what a law logs, by name and unit."""
+def chosen(layout: Layout, logged: Mapping[str, str], topics: Collection[str] = ()) -> Chosen:
+    """Those of a follower among the topics, of further channels, and of what a law logs, by name and unit."""
     units = {field.name: field.unit for field in layout}
-    curves = [*own_curves(units, FURTHER), *own_curves(logged)]
-    return Chosen(curves, own_titles(units, FURTHER) | own_titles(logged))
+    curves = [*followed.curves(topics), *own_curves(units, FURTHER), *own_curves(logged)]
+    return Chosen(curves, followed.titles(topics) | own_titles(units, FURTHER) | own_titles(logged))
 
 
 def samples(curve: Curve, columns: dict[str, NDArray]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -180,14 +163,14 @@ class Drawn(NamedTuple):
 
 def chosen_in(recording: Recording) -> Chosen:
     """What a recording has of its own."""
-    return chosen(recording.layout(), own_units(recording))
+    return chosen(recording.layout(), own_units(recording), {*recording.counts})
 
 
 def draw(recording: Recording) -> list[Drawn]:
     """The curves that have something to show."""
     curves = [*CURVES, *chosen_in(recording).curves]
     topics = {curve.topic for curve in curves}
-    columns = {topic: seen(recording) if topic == STATE else recording.columns(topic) for topic in topics}
+    columns = {topic: seen(recording) if topic == STATE else followed.columns_of(recording, topic) for topic in topics}
     filled = [Drawn(curve, *samples(curve, columns[curve.topic])) for curve in curves]
     return [drawn for drawn in filled if len(drawn.stamps)]
 

@@ -11,15 +11,17 @@ from bridge.recording.inbox import WATCHED
 from bridge.recording.own_signals import own_units
 from bridge.recording.reader import Entry, Recording, recording
 from bridge.recording.shown import line_ends
+from bridge.recording.verdicts import Said, verdicts_of
 from bridge.scenario.channels import layout_of
 from bridge.view import length_time
 from bridge.view.content import begin, scene_of, send_curve, send_events, style
 from bridge.view.curves import CURVES, LIVE, chosen, samples
+from bridge.view.followed import columns_of
 from bridge.view.layout import layout
 from bridge.view.rig.eyes import eyes_of
 from bridge.view.rig.motion import move
 from bridge.view.rig.scene import stand
-from bridge.wire.messages import EventKind, Mode
+from bridge.wire.messages import ESTIMATE, HEALTH, EventKind, Mode
 from controller.grid import NS
 
 SPAN = 10.0  # [s], of the maps and curves
@@ -41,7 +43,9 @@ class Drawing:
         self._profiles: deque[Any] = deque(maxlen=max(2, round(SPAN / scenario.loop.viewer_period)))
         self._states: list[Entry] = []
         self._drawn = -NS  # [ns], when the maps were drawn
-        self._logs = False  # has the law logged anything?
+        self._units: dict[str, str] = {}  # of what the law logs, once it does
+        self._followed: set[str] = set()  # topics of a follower that have come
+        self._said: Said | None = None  # the latest verdict on the rig's health
         self._own = chosen(self._layout, {})
         self._bare = bare
         topics = {*WATCHED} if manifest["mode"] == Mode.REALTIME else {*WATCHED} - {"timing"}
@@ -60,16 +64,21 @@ class Drawing:
         """Draw a batch."""
         batch = recording(self._head.path, entries, self._head.metadata)
         self._draw_curves(batch)
-        send_events(self.stream, batch)
+        verdicts = verdicts_of(batch, self._said)
+        self._said = verdicts[-1] if verdicts else self._said
+        send_events(self.stream, batch, verdicts)
         self.over = self.over or any(event.kind == EventKind.ENDED for event in batch.messages("event"))
         self._draw_rig(entries)
 
     def _draw_curves(self, batch: Recording) -> None:
-        if batch.counts.get("signals") and not self._logs:
-            self._logs, self._own = True, chosen(self._layout, own_units(batch))
+        units = self._units or (own_units(batch) if batch.counts.get("signals") else {})
+        there = self._followed | ({ESTIMATE, HEALTH} & {*batch.counts})
+        if (units, there) != (self._units, self._followed):
+            self._units, self._followed = units, there
+            self._own = chosen(self._layout, units, there)
             self._make_room()
         curves = [*CURVES, *self._own.curves]
-        columns = {topic: batch.columns(topic) for topic in {curve.topic for curve in curves} & set(batch.counts)}
+        columns = {topic: columns_of(batch, topic) for topic in {curve.topic for curve in curves} & set(batch.counts)}
         for curve in curves:
             if curve.field in columns.get(curve.topic, ()):
                 stamps, values = samples(curve, columns[curve.topic])
@@ -79,7 +88,7 @@ class Drawing:
             self.seconds = float(columns["state"]["stamp"][-1]) / NS
 
     def _make_room(self) -> None:
-        """Lay the pictures out; of what the law logs the first of its messages says what there is."""
+        """Lay the pictures out; of what law and follower say the first of their messages tells what there is."""
         style(self.stream, self._own.curves)
         shown, titles = self._pictures | set(self._own.titles), self._own.titles
         eyes = eyes_of(self._scene)

@@ -50,8 +50,8 @@ class Trial(NamedTuple):
 
 
 TRIALS = {
-    "in order": Trial("", 8),
-    "leak x3": Trial("leak_across", 8, {"target": "cylinder", "kind": "leak", "factor": 3.0}),
+    "in order": Trial("", 30),
+    "leak x3": Trial("leak_across", 30, {"target": "cylinder", "kind": "leak", "factor": 3.0}),
     "leak x10": Trial("leak_across", 8, {"target": "cylinder", "kind": "leak", "factor": 10.0}),
     "leak x30": Trial("leak_across", 8, {"target": "cylinder", "kind": "leak", "factor": 30.0}),
     "friction +60 %": Trial("friction", 8, times={"seal.limit": 1.6, "seal.alpha": 1.6}),

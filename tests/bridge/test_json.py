@@ -68,7 +68,7 @@ ALONE = {  # what each verb is called with; FILE is a recording
 CAMPAIGN = 'scenarios = ["step"]\n[common]\nduration = "0.1 s"\n'
 LOG = "t_s,x_mm\n0,100\n0.001,101\n0.002,102\n"
 MAP = 'rig = "ehla"\n[time]\ncolumn = "t_s"\n[signal.position]\ncolumn = "x_mm"\n'
-ON_A_BUS = {"plant", "record", "reset", "replay", "remote", "get", "set", "fault", "watch"}
+ON_A_BUS = {"plant", "record", "reset", "replay", "remote", "get", "set", "fault", "watch", "status"}
 
 
 def verbs(command: object, name: str = "") -> Iterator[str]:
