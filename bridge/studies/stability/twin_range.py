@@ -11,10 +11,10 @@ import time
 from collections.abc import Callable, Sequence
 
 from bridge.scenario import Scenario
-from bridge.studies.stability.amplitude import ROUGHLY, PictureRow, SwingRange, outlook, picture_row
+from bridge.studies.stability.amplitude import ROUGHLY, PictureRow, SwingRange, loop_of, outlook, picture_row, swing
 from bridge.studies.stability.sampled_law import free_gain
 from bridge.studies.stability.search import LONGEST, WORK, Deadline, Search
-from bridge.studies.stability.twin_loop import twin_loop
+from bridge.studies.stability.twin_loop import twin_loop, uncovered
 from controller.stability.amplitude.band import LEAST, Outlook, band_among
 from controller.stability.amplitude.swing import LARGEST, WIDE
 
@@ -26,7 +26,10 @@ ROWS = 5  # of the picture
 def search_of(scenario: Scenario, sizes: Sequence[float]) -> Search:
     """A search for steps up and down [m] whose time begins when all is compiled."""
     search = Search(twin_loop(scenario), sizes, Deadline())
-    search.at(free_gain(scenario).own, sizes[:1])
+    own = free_gain(scenario).own
+    search.at(own, sizes[:1])
+    if not uncovered(scenario):
+        swing(loop_of(scenario), own, sizes[0])
     search.until = Deadline(time.process_time() + WORK, time.monotonic() + LONGEST)
     return search
 

@@ -7,7 +7,7 @@ that gain, or up to FURTHER where most of them settle. A scan still misses singl
 also holds what the edges of some noises of a cheaper model say, and gains whose swing is marginal.
 
 Where small gains swing, too, all this is done above a gain inside the band that settles, and the edge below the band
-is sought from there downwards, where it is sharp: no nearer than COARSE.
+is sought from there downwards: COARSE apart over a rung above the greatest gain that is known to swing there.
 """
 
 import math
@@ -26,6 +26,7 @@ COVER, FURTHER = 2.0, 3.0  # above it
 MOSTLY = 0.7  # share of the gains up to COVER, of those that settle
 SHARP, RAGGED, SCATTERED = 1.08, 1.1, 1.4  # below the lowest that swings, where the interval begins
 ABOVE, BEYOND = 1.15, 1.1  # above it at least, and above the loudest that settles
+WIDE_ENOUGH = 1.6  # from the first to the last gain that settles: of such stretches the nearest is the band
 OUTWARDS = 12  # gains on either side of one that should settle and does not, RUNG**0.5 apart
 DEEPER, HIGHER = 1.3, 1.1  # below the greatest gain that swings under the band, and above it, its interval
 ROUNDING = 1.0 + 1e-9
@@ -67,23 +68,26 @@ def next_gain(runs: Runs, look: Outlook) -> float | None:
     lowest, least = lowest_swinging(above), min(above, default=look.near)
     if math.isinf(lowest):
         louder = max(above, default=look.near) * RUNG
-        return louder if louder <= look.near * MOST else _lower(runs, base)
+        return louder if louder <= look.near * MOST else _lower(runs, base, math.inf)
     if not base and least * QUIET > lowest * ROUNDING and least / RUNG > floor:
         return least / RUNG
     if look.below and all(swing.counts for swing in runs.values()):
         return _widest_gap(runs)
-    rough = _between(above, lowest, RUNG, COARSE) or _lower(runs, base) or _louder(above, lowest)
-    return rough or _between(above, lowest, RUNG, FINE)
+    rough = _between(above, lowest, RUNG, COARSE) or _lower(runs, base, lowest) or _louder(above, lowest)
+    return rough or _between(above, lowest, RUNG, FINE) or _lower(runs, base, lowest, RUNG)
 
 
 def base_of(runs: Runs, look: Outlook) -> float:
     """A gain that settles between the lower edge and the upper one; 0.0: no lower edge is known."""
-    calm = [gain for gain, swing in runs.items() if not swing.counts]
-    if look.inside:
-        return min(calm, key=lambda gain: abs(math.log(gain / look.inside)), default=0.0)
-    if look.below in runs and runs[look.below].counts:
-        return min((gain for gain in calm if gain > look.below), default=0.0)
-    return 0.0
+    if not look.inside and not (look.below in runs and runs[look.below].counts):
+        return 0.0
+    about, above = look.inside or look.near, 0.0 if look.inside else look.below
+    stretches = [(gains[0], gains[-1], gains) for gains in _in_a_row(runs, swinging=False) if gains[0] > above]
+    widest = min(stretches, key=lambda s: (-min(s[1] / s[0], WIDE_ENOUGH), abs(math.log(s[0] / about))), default=None)
+    if widest is None:
+        return 0.0
+    low, high, gains = widest
+    return min(gains, key=lambda gain: abs(math.log(gain * gain / (low * high))))
 
 
 def runs_above(runs: Runs, base: float, look: Outlook) -> Runs:
@@ -116,12 +120,13 @@ def _widest_gap(runs: Runs) -> float | None:
     return math.sqrt(low * high) if high > low * QUIET else None
 
 
-def _lower(runs: Runs, base: float) -> float | None:
-    """The middle of a gap below the band, down to the greatest gain that swings there."""
+def _lower(runs: Runs, base: float, lowest: float, reach: float = 1.0) -> float | None:
+    """The middle of a gap inside the band, from the greatest gain that swings below it on; finely within its reach."""
     if not (greatest := _greatest_below(runs, base)):
         return None
-    gains = sorted(gain for gain in runs if greatest <= gain <= base)
-    wide = [(a, b) for a, b in pairwise(gains) if b > a * (COARSE if a == greatest else RUNG) * ROUNDING]
+    gains = sorted(gain for gain in runs if greatest <= gain <= lowest)
+    fine = greatest * reach
+    wide = [(a, b) for a, b in pairwise(gains) if b > a * (COARSE if a <= fine else RUNG) * ROUNDING]
     return math.sqrt(math.prod(wide[0])) if wide else None
 
 
@@ -188,8 +193,8 @@ def _beneath(runs: Runs, base: float) -> tuple[float, float]:
     if not (greatest := _greatest_below(runs, base)):
         return 0.0, 0.0
     settles = min(gain for gain in runs if gain > greatest)
-    marginal = [gain for gain, swing in runs.items() if swing.is_marginal and greatest / COVER < gain < base]
-    return min([greatest / DEEPER, *marginal]), max([settles, greatest * HIGHER, *marginal])
+    marginal = [gain for gain, swing in runs.items() if swing.is_marginal and greatest / COVER < gain <= base]
+    return min([greatest / DEEPER, *marginal]), max([settles, *(gain * HIGHER for gain in (greatest, *marginal))])
 
 
 def _interval(runs: Runs) -> tuple[float, float]:
@@ -225,7 +230,11 @@ def _low(runs: Runs, lowest: float, margin: float) -> float:
 
 
 def _islands(runs: Runs) -> Iterator[tuple[float, float]]:
-    for swinging, gains in groupby(sorted(runs), key=lambda gain: runs[gain].counts):
-        if swinging:
-            island = list(gains)
-            yield island[0], island[-1]
+    for island in _in_a_row(runs, swinging=True):
+        yield island[0], island[-1]
+
+
+def _in_a_row(runs: Runs, swinging: bool) -> list[list[float]]:
+    """Gains with none between them that does the opposite."""
+    rows = groupby(sorted(runs), key=lambda gain: runs[gain].counts)
+    return [list(gains) for swings, gains in rows if swings == swinging]
