@@ -15,6 +15,11 @@ FAREWELL = 2.0  # seconds after the plant's end in which its last measurements m
 REPLAY = "replay"  # how a replay that stands in for a plant calls itself
 
 
+def is_farewell(status: Any) -> bool:
+    """Is it the last word of a replay? It comes behind all that the replay has sent."""
+    return status.role == REPLAY and status.phase not in GOING
+
+
 class Contact:
     """Follows the plants on a bus."""
 
@@ -24,18 +29,23 @@ class Contact:
         self._patience = RECONNECTING if list(bus.session.info.routers_zid()) else DIRECT
         self._gone_since: float | None = None
         self._last: set[str] = set()
+        self._farewell = False  # of a replay: behind all that it has sent
         self._last_tick: int | None = None  # of the plant, once it has said so
         self._deadline = float("inf")
 
     def lost(self) -> bool:
-        """Has the plant been away for longer than it takes to connect again?"""
+        """Has the plant been away for longer than it takes to connect again, or has a replay taken its leave?
+
+        That a replay is away is known before its last messages are here: Zenoh lets such news overtake them.
+        """
         here = self._bus.present.get("plant")
         if here is None or here:
+            self._farewell = self._farewell and self._gone_since is None  # another replay takes its own leave
             self._last, self._gone_since = set(here or ()), None
             return False
         if self._gone_since is None:
             self._gone_since = self._now()
-        return self._last == {REPLAY} or self._now() - self._gone_since > self._patience
+        return (self._last == {REPLAY} and self._farewell) or self._now() - self._gone_since > self._patience
 
     def words(self, when: str) -> str | None:
         """What a loss means, in one line; None where the plant was a replay, which may leave at any time."""
@@ -44,7 +54,8 @@ class Contact:
         return f"lost contact with the plant at {when}: it was killed, or the connection to it was lost"
 
     def heed(self, status: Any) -> None:
-        """Take a status of anybody: the plant's last one says which tick was its last."""
+        """Take a status of anybody: the plant's last one says which tick was its last, a replay's that it is over."""
+        self._farewell = self._farewell or is_farewell(status)
         if status.role == "plant" and status.phase not in GOING:
             self._last_tick = PlantStatus.from_plain(numbers_of(status)).tick
             self._deadline = self._now() + FAREWELL

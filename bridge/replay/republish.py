@@ -20,6 +20,7 @@ from bridge.replay.remote import heeding
 from bridge.replay.timeline import Timeline
 from bridge.wire.bus import STAMP, Bus
 from bridge.wire.link import Link
+from bridge.wire.messages import Phase
 
 
 class Playing(NamedTuple):
@@ -62,6 +63,7 @@ def replay(path: Path, link: Link, playing: Playing) -> dict[str, Any]:
             timeline.seek(timeline.times[0], time.monotonic_ns())
             with keyboard(player):
                 player.run(stop)
+        _take_leave(bus, recording)
         del held
         return player.status()
 
@@ -121,6 +123,12 @@ def _rig(recording: Recording, playing: Playing) -> str:
         old, _, new = rule.partition(":=")
         name = new if old == name else name
     return name
+
+
+def _take_leave(bus: Bus, recording: Recording) -> None:
+    """Say that nothing more comes, behind all that was sent: reliable, blocking, and of the same priority."""
+    run_id = int(recording.metadata.get("run", {}).get("run_id", 0))
+    bus.publish_status(run_id, recording.entries[-1].log_time, Phase.ENDED, {}, final=True)
 
 
 def _stand_in(bus: Bus, recording: Recording, keys: dict[str, str]) -> list[Any]:

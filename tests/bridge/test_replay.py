@@ -10,12 +10,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from bridge.machine.clock import ticks
+from bridge.processes.contact import Contact
 from bridge.recording.digest import digest
 from bridge.recording.reader import Recording, read
 from bridge.replay.remote import ask
@@ -23,7 +25,7 @@ from bridge.runs.in_process import record_in_process
 from bridge.scenario import load
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.link import Link, free_endpoint
-from bridge.wire.messages import TOPICS
+from bridge.wire.messages import TOPICS, Phase
 from tests.support.processes import (
     ENVIRONMENT,
     ROOT,
@@ -83,8 +85,9 @@ def test_at_top_speed_every_message_comes_and_equal_stamps_keep_their_order(reco
     words = ("--speed", "max", "--wait", "10", "--listen", endpoint)
     with started("replay", str(recording.path), *words) as process, listener(endpoint) as (_, came):
         assert process.wait(60) == 0, process.communicate()[0]
-        wait_for(lambda: len(came) >= len(recording.entries), 30)  # on its way when the replay has ended
-    for topic in TOPICS:
+        wait_for(lambda: len(came) > len(recording.entries), 30)  # on its way when the replay has ended
+    assert came[-1][1] == "status"  # the replay's last word, behind all else
+    for topic in set(TOPICS) - {"status"}:
         assert [row[3] for row in came if row[1] == topic] == [entry.data for entry in recording.of(topic)]
     assert [row[2] for row in came] == sorted(row[2] for row in came)
 
@@ -170,6 +173,7 @@ def test_a_loop_begins_again_and_never_goes_back_inside(recording):
 
 
 def test_a_recorder_takes_a_replay_for_a_plant_and_records_the_same(recording, tmp_path):
+    """It holds no status of its plant, as a measured file holds none: the replay alone says where it ends."""
     endpoint, path = free_endpoint(), tmp_path / "again.mcap"
     words = ("--speed", "2", "--wait", "20", "--listen", endpoint)
     with started("record", "-o", str(path), "--connect", endpoint, "--patience", "20") as recorder:
@@ -177,6 +181,27 @@ def test_a_recorder_takes_a_replay_for_a_plant_and_records_the_same(recording, t
             assert process.wait(30) == 0, process.communicate()[0]
         assert recorder.wait(20) == 0, recorder.communicate()[0]
     assert digest(path) == digest(recording.path)
+
+
+def test_a_replay_that_is_away_is_over_once_its_last_word_has_come_or_will_not_come():
+    """That it is away is known early: its messages are still on their way."""
+    session = SimpleNamespace(info=SimpleNamespace(routers_zid=list))
+    bus, now = SimpleNamespace(session=session, present={"plant": {"replay"}}), [0.0]
+    contact = Contact(cast("Bus", bus), lambda: now[0])
+    for _ in range(2):  # a second replay takes its own leave
+        bus.present = {"plant": {"replay"}}
+        assert not contact.lost()
+        bus.present = {"plant": set()}
+        assert not contact.lost()
+        contact.heed(SimpleNamespace(role="replay", phase=Phase.ENDED))
+        assert contact.lost()
+        assert contact.words("t = 1 s") is None
+    bus.present = {"plant": {"replay"}}
+    assert not contact.lost()
+    bus.present = {"plant": set()}
+    assert not contact.lost()
+    now[0] += 1.1  # killed: a replay that was connected to directly
+    assert contact.lost()
 
 
 def test_keys_with_a_live_publisher_are_refused_unless_told_otherwise_or_elsewhere(recording):
@@ -198,7 +223,7 @@ def test_remapped_messages_come_on_the_other_keys(recording):
     with started("replay", str(recording.path), *words, "--listen", endpoint) as process:
         with listener(endpoint, rig="hall/twin") as (_, came):
             assert process.wait(30) == 0
-        assert {row[1] for row in came} == {"state", "pressure/p1", "pressure/p2", "pressure/p3"}
+        assert {row[1] for row in came} - {"status"} == {"state", "pressure/p1", "pressure/p2", "pressure/p3"}
 
 
 def test_a_file_that_was_cut_off_is_played_as_far_as_it_goes(recording, tmp_path):

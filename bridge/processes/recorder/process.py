@@ -6,17 +6,19 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from bridge.errors import RunError
 from bridge.machine.priority import stand_back
 from bridge.machine.process import NOTE, Stop
-from bridge.processes.contact import Contact
+from bridge.processes.contact import Contact, is_farewell
 from bridge.processes.recorder.run_file import Arrival, Request, RunFile
 from bridge.recording.manifest import told_by
 from bridge.wire.access import SAVING
 from bridge.wire.bus import Bus, stamp_of
+from bridge.wire.codec import decode
 from bridge.wire.guide import TOKEN
 from bridge.wire.limits import WAITING_BYTES, WAITING_RECORDS
 from bridge.wire.link import Link
@@ -86,6 +88,8 @@ class RecorderProcess:
             self._saves -= 1
             file.trigger(file.stamp)
         for arrival in self._arrived():
+            if self._is_farewell(arrival):
+                continue
             if self._may_begin_another(file) and file.is_of_another_run(arrival):
                 file = self._next_file(file)
             file.take(arrival)
@@ -173,6 +177,16 @@ class RecorderProcess:
             payload = sample.payload.to_bytes()
             self._went += len(payload)
             yield Arrival(topic, payload, stamp_of(sample))
+
+    def _is_farewell(self, arrival: Arrival) -> bool:
+        """Is it the last word of a replay? That is not of the run that it repeats."""
+        if arrival.topic != "status":
+            return False
+        with suppress(ValueError):
+            status = decode(arrival.payload, "status")
+            self._contact.heed(status)
+            return is_farewell(status)
+        return False
 
     def _may_begin_another(self, file: RunFile) -> bool:
         """A run is kept to as long as its plant may still be among several."""
