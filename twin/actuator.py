@@ -125,7 +125,7 @@ def widening(actuator: Any) -> float:
 
 @widening.register
 def _(actuator: Cylinder | DrainedCylinder | HoledCylinder) -> float:
-    return 1.0
+    return actuator.by_mass
 
 
 @widening.register
@@ -169,6 +169,34 @@ def stored_oil(pressures: Chambers, position: float, actuator: Any) -> Chambers:
         volume.lower * compression(actuator.air, b.lower, pressures.lower) + gone.lower,
         volume.upper * compression(actuator.air, b.upper, pressures.upper) + gone.upper,
     )
+
+
+@by_type
+def counted(actuator: Any, stored: Chambers, p: Chambers, before: float, then: float) -> Chambers:
+    """Stored oil when the piston has gone from a position to another, as the actuator counts it.
+
+    By volume, what is stored keeps its pressure p in the volume that opens: it grows by (S/V - 1) of that.
+    """
+    raise TypeError(f"{actuator} is not an actuator")
+
+
+@counted.register
+def _(
+    actuator: Cylinder | DrainedCylinder | HoledCylinder, stored: Chambers, p: Chambers, before: float, then: float
+) -> Chambers:
+    if actuator.by_mass == 1.0:
+        return stored
+    old, new, b = volumes(actuator, before), volumes(actuator, then), moduli(actuator)
+    dense_lower = compression(actuator.air, b.lower, p.lower) - 1.0
+    dense_upper = compression(actuator.air, b.upper, p.upper) - 1.0
+    return Chambers(
+        stored.lower + dense_lower * (new.lower - old.lower), stored.upper + dense_upper * (new.upper - old.upper)
+    )
+
+
+@counted.register
+def _(actuator: Motor, stored: Chambers, p: Chambers, before: float, then: float) -> Chambers:
+    return stored
 
 
 @inlined

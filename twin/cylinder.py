@@ -5,6 +5,9 @@ chamber (of port B); x from the lower end, in the direction in which the lower c
 stored oil S, at reference density, S = V (1 + p/B): what flows in is added to S and never lost. When S is too small
 even at the vapour pressure, p stays there and the rest of the volume is vapour, so this cavity needs no state of its
 own. With entrained air S/V follows the law of `twin/air.py`. What chambers of any actuator do: `twin/actuator.py`.
+
+Counted by volume, as (2.11) and (2.12) are printed and most simulators have it, a flow is taken at the pressure of its
+chamber, dp/dt = B/V (Q - A v): for the same flow a piston moves faster, by p/B. Oil is then not conserved.
 """
 
 from typing import NamedTuple
@@ -24,6 +27,7 @@ class Cylinder(NamedTuple):
     bulk_modulus: float  # B [Pa], of the oil in the chambers
     vapour_pressure: float  # [Pa], gauge
     air: AnyAir = NoAir()  # in the oil of the chambers
+    by_mass: float = 1.0  # 1.0: oil is counted by mass; 0.0: by volume
 
 
 class DrainedCylinder(NamedTuple):
@@ -41,6 +45,7 @@ class DrainedCylinder(NamedTuple):
     modulus_upper: float
     vapour_pressure: float  # [Pa], gauge
     air: AnyAir = NoAir()
+    by_mass: float = 1.0
 
 
 class HoledCylinder(NamedTuple):
@@ -66,6 +71,7 @@ class HoledCylinder(NamedTuple):
     b_lower: float  # [Pa s/m^3]; infinite where there is no hole
     b_upper: float
     air: AnyAir = NoAir()
+    by_mass: float = 1.0
 
 
 class Chambers(NamedTuple):

@@ -232,6 +232,9 @@ RIG: dict[str, dict[str, Entry]] = {
         "leakage_resistance": Number(
             1.04e13, "Pa s/m^3", f"Table 2.1, its garbled exponent {FITTED}; inf for none", TINY
         ),
+        "counting": Choice(
+            "mass", ("mass", "volume"), "oil of the chambers; volume: (2.11), (2.12) as printed, and most simulators"
+        ),
         "restitution": Number(0.2, "", "assumed, end stops", 0.0, 1.0),
         "rest_speed": Number(1e-3, "m/s", "assumed, slower impacts are dead"),
         **BARREL,

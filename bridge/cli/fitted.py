@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from bridge.errors import UsageError, writing
 
 if TYPE_CHECKING:
+    from bridge.studies.identification.alone import Ranked
     from bridge.studies.identification.identify import Judged
     from bridge.studies.identification.whiteness import Whiteness
 
@@ -70,16 +71,25 @@ def plain(found: "Judged") -> dict[str, Any]:
             for e in known.estimates
         ],
         "correlation": [[_finite(r) for r in row] for row in known.correlation.tolist()],
-        "untold": [{"numbers": dict(one.shares), "spread": _finite(one.spread)} for one in known.untold],
+        "untold": [
+            {"numbers": dict(one.shares), "spread": _finite(one.spread), "told": one.told, "error": _finite(one.error)}
+            for one in known.untold
+        ],
         "white": not known.robust,
         "segment": _finite(found.found.length),
         "converged": found.found.converged,
         "simulations": found.found.runs,
         "seconds": found.seconds,
+        "alone": None if found.ranked is None else _alone(found.ranked),
         "starts": None if found.starts is None else found.starts.rms,
         "residuals": [_plain(one) for one in known.whiteness],
         "judged": [_plain(one) for one in found.judged],
     }  # fmt: skip
+
+
+def _alone(ranked: "Ranked") -> dict[str, Any]:
+    rows = [{"name": one.parameter.name, "value": one.value, "left": one.left} for one in ranked.tried]
+    return {"before": ranked.before, "best": ranked.best and ranked.best.parameter.name, "numbers": rows}
 
 
 def _plain(one: "Whiteness") -> dict[str, Any]:
@@ -96,7 +106,13 @@ def number_rows(found: "Judged") -> Iterator[tuple[str, ...]]:
         one = e.parameter
         share = f"{100.0 * e.spread:.2g} %" if one.scale == 0.0 else one.words(e.error)
         ends = " .. ".join(one.words(end) for end in e.interval)
-        yield one.name, one.words(one.start), one.words(e.value), ends, share, "" if e.identified else "not identified"
+        yield one.name, one.words(one.start), one.words(e.value), ends, share, e.verdict
+
+
+def ranked_rows(ranked: "Ranked") -> Iterator[tuple[str, ...]]:
+    """One row for each number that was fitted by itself, the best first."""
+    for name, one, value, left in ((a.parameter.name, a.parameter, a.value, a.left) for a in ranked.tried):
+        yield name, one.words(one.start), one.words(value), f"{left:.2f}"
 
 
 def residual_rows(found: "Judged", held: bool = False) -> Iterator[tuple[str, ...]]:

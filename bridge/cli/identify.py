@@ -57,6 +57,9 @@ MOTION = Annotated[
 ]
 PRESSURE = Annotated[str, typer.Option(help="With --suggest: the greatest pressure in chambers and at the tee.")]
 TRIES = Annotated[int, typer.Option(min=1, max=100_000, help="With --suggest: excitations to try.")]
+EACH = Annotated[
+    bool, typer.Option("--each", help="Fit each number alone, then only the one that explains the recordings best.")
+]
 STARTS = Annotated[int, typer.Option(min=1, max=10_000, help="Starts of the fit.")]
 RESULT = Annotated[
     Path | None,
@@ -75,6 +78,7 @@ def identify(
     noise: NOISE = None,
     segment: SEGMENT = None,
     only_moving: MOVING = False,
+    each: EACH = False,
     starts: STARTS = 1,
     suggest: SUGGEST = False,
     duration: DURATION = "30 s",
@@ -104,7 +108,10 @@ def identify(
 
     if output is not None:
         refuse_foreign(output)
+    if each and starts > 1:
+        raise UsageError("--each fits every number from the scenario's own values: leave out --starts")
     wanted, extends = _wanted(files, fit, rig, changes, judge, prior, noise, segment, only_moving)
+    wanted = wanted._replace(each=each)
     from bridge.studies.sweep.engine import Crew
 
     path = output or own_folder("identify") / "fitted.toml"
@@ -214,9 +221,12 @@ def _show(found: "Judged", extends: str, changes: list[str], path: Path, report:
 
 
 def _print(found: "Judged") -> None:
-    from bridge.cli.fitted import followed, number_rows, residual_rows
+    from bridge.cli.fitted import followed, number_rows, ranked_rows, residual_rows
     from bridge.cli.tables import print_table
 
+    if found.ranked is not None:
+        print_table(("each alone", "at first", "fitted", "times the noise left"), ranked_rows(found.ranked))
+        print(f"{found.ranked.words}.\n")
     print_table(("number", "at first", "fitted", "95 % interval", "error", ""), number_rows(found))
     for line in _remarks(found):
         print(line)
@@ -234,7 +244,10 @@ def _remarks(found: "Judged") -> list[str]:
     lines += [f"{a} and {b} hang together, correlation {r:.3f}." for a, b, r in known.strong]
     lines += [f"{e.parameter.name} stands at its limit." for e in known.estimates if e.at_limit]
     if known.robust:
-        lines.append("What is left is not noise: the errors count that; a part of the rig may be missing in the twin.")
+        lines.append(
+            "What is left is not noise, a part of the rig may be missing in the twin: the errors are those of numbers "
+            "that differ from stretch to stretch."
+        )
     if found.starts is not None:
         lines.append(f"{found.starts.words}.")
     notes = [f"{r.name}: {note}." for r in found.found.task.records for note in r.notes]

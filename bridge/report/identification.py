@@ -70,11 +70,15 @@ def _numbers(found: "Judged") -> str:
         one = e.parameter
         ends = " .. ".join(one.words(end) for end in e.interval)
         share = f"{100.0 * e.spread:.2g} %" if one.scale == 0.0 else one.words(e.error)
-        told = "identified" if e.identified else "<span class='failed'>not identified</span>"
+        told = "identified" if e.identified else f"<span class='failed'>{e.verdict}</span>"
         limit = ", at its limit" if e.at_limit else ""
         cells = [one.name, one.words(one.start), one.words(e.value), ends, share]
         rows.append([*map(text, cells), told + limit])
-    note = "Errors count that residuals hang together." if found.known.robust else "Errors are those of white noise."
+    note = (
+        "What is left is not noise: errors are those of numbers that differ from stretch to stretch."
+        if found.known.robust
+        else "Errors are those of white noise."
+    )
     heads = ("number", "at first", "fitted", "95 % interval", "standard error", "")
     return _section("numbers", "Numbers", table(heads, rows, "numbers"), f"<p class='soft'>{note}</p>")
 

@@ -2,6 +2,8 @@
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -9,9 +11,12 @@ import pytest
 from bridge.cli.suggested import write_suggestion
 from bridge.errors import UsageError
 from bridge.scenario import load
+from bridge.studies.identification.discrepancy import scattered
+from bridge.studies.identification.fit import Fitted
 from bridge.studies.identification.noise import counted, estimated, resolution
 from bridge.studies.identification.parameters import parameters_of, priors_of, with_places
 from bridge.studies.identification.suggestion import Asked, suggest
+from bridge.studies.identification.untold import untold
 from bridge.studies.identification.whiteness import ljung_box
 from bridge.studies.sweep.engine import HERE
 from tests.tools import identification as trial
@@ -40,7 +45,42 @@ def test_what_it_says_it_knows_is_near_the_bound_of_any_fit(drawn):
 
 
 def test_a_combination_that_the_data_cannot_tell_is_named(drawn):
+    """What was known before, 10 %, makes the error of each of the two small; the data have told neither."""
     assert drawn["named"]
+    assert not any(drawn["estimates"][name]["identified"] for name in trial.TOGETHER)
+    assert max(drawn["estimates"][name]["spread"] for name in trial.TOGETHER) < 0.1
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 50.0])
+def test_a_pair_that_its_prior_tells_apart_is_named_with_what_the_data_tell(share: float):
+    """Residuals see flow/drop^0.5 to 0.1 %, and each of the two to `share`; both are known to 5 % before."""
+    names = ["rig.servo_valve.rated_flow,rig.servo_valve.rated_drop"]
+    pair = parameters_of(names, load("ehla"), dict.fromkeys(names[0].split(","), 0.05))
+    jacobian: Any = np.vstack([1e3 * np.array([1.0, -0.5]), np.eye(2) / share])
+    (found,) = untold(jacobian, pair, np.linalg.inv(jacobian.T @ jacobian + np.eye(2) / 0.05**2))
+    assert found.told == "rig.servo_valve.rated_flow/rig.servo_valve.rated_drop^0.5"
+    assert found.error == pytest.approx(1e-3, rel=0.01)
+    assert "what was known before (--prior) decides" in found.words
+    sharp: Any = np.vstack([jacobian, np.eye(2) / 0.01])
+    assert untold(sharp, pair, np.eye(2)) == []
+
+
+def test_numbers_that_differ_from_stretch_to_stretch_have_intervals_that_hold_another_stretch():
+    """Measured is theta x with theta 0.1 off its mean in each of 60 stretches: other ones are off by as much.
+
+    60 of them give the deviation to 9 %; a deviation of the mean would be 0.013. White noise alone leaves 1/sqrt(J'J).
+    """
+    rng, rows = np.random.default_rng(3), 500
+    slopes: Any = 5.0 * rng.standard_normal((60 * rows, 1))
+    noise, off = rng.standard_normal(60 * rows), np.repeat(0.1 * rng.standard_normal(60), rows)
+    plain: Any = 1.0 / (slopes.T @ slopes)
+    for residual, deviation in ((noise, math.sqrt(plain.item())), (noise + off * slopes[:, 0], 0.1)):
+        residual = residual - slopes[:, 0] * (slopes[:, 0] @ residual) * plain.item()
+        record = SimpleNamespace(signals=[None], period=1e-3)
+        task = SimpleNamespace(shots=[SimpleNamespace(record=0)], records=[record])
+        found = SimpleNamespace(task=task, shots=[SimpleNamespace(residual=residual)], jacobian=slopes)
+        spread = math.sqrt(scattered(cast("Fitted", found), plain).item())
+        assert spread == pytest.approx(deviation, rel=0.3)
 
 
 def test_a_suggested_excitation_keeps_its_limits_and_is_a_scenario(tmp_path: Path):

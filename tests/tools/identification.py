@@ -74,7 +74,7 @@ def draw(point: Point, duration: float = 30.5) -> dict[str, Any]:
     fitted = time.process_time()
     known = uncertainty(found)
     places = np.array([one.place(true[one.name]) for one in names])
-    bound = cramer_rao(found.task, places)
+    bound = cramer_rao(found.task, places, found.steps)
     return {
         "estimates": {e.parameter.name: _compared(e, true, b) for e, b in zip(known.estimates, bound, strict=True)},
         "named": TOGETHER in [{name for name, _ in one.shares} for one in known.untold],
@@ -92,11 +92,12 @@ def truth(names: Sequence[Parameter], seed: int) -> dict[str, float]:
     return {one.name: min(max(drawn[one.name], one.low), one.high * 0.999) for one in names}
 
 
-def cramer_rao(task: Task, places: Any) -> list[float]:
-    """Least deviation of the places of any unbiased fit that has what is known before, the starts of shots unknown."""
-    residuals = Residuals(task)
-    residuals.slopes(places)  # tells how far off slopes are to be taken
-    jacobian = residuals.slopes(places)
+def cramer_rao(task: Task, places: Any, steps: Any) -> list[float]:
+    """Least deviation of the places of any unbiased fit that has what is known before, the starts of shots unknown.
+
+    steps: for slopes, as the fit has found them.
+    """
+    jacobian = Residuals(task, steps=steps).slopes(places)
     return np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian))).tolist()
 
 

@@ -48,15 +48,16 @@ def _cylinder(cylinder: Entries, oil: Oil, air: AnyAir) -> Cylinder | DrainedCyl
     leakage = 1.0 / cylinder["leakage_resistance"]
     outside = 1.0 / cylinder["outside_lower"], 1.0 / cylinder["outside_upper"]
     modulus = oil.bulk_modulus * cylinder["stiffness"]
+    by_mass = 1.0 if cylinder["counting"] == "mass" else 0.0
     sizes = area_lower, area_upper, cylinder["dead_lower"], cylinder["dead_upper"], cylinder["stroke"], leakage
     if cylinder["wall"] == 0.0 and not any(outside) and cylinder["holes"] == "none":
-        return Cylinder(*sizes, modulus, oil.vapour_pressure, air)
+        return Cylinder(*sizes, modulus, oil.vapour_pressure, air, by_mass)
     b_lower, b_upper = (_with_barrel(modulus, full / area, cylinder) for area in (area_lower, area_upper))
     drained = *sizes, *outside, b_lower, b_upper, oil.vapour_pressure
     if cylinder["holes"] == "none":
-        return DrainedCylinder(*drained, air)
+        return DrainedCylinder(*drained, air, by_mass)
     lower, upper = (_hole(cylinder, f"hole_{side}", oil) for side in ("lower", "upper"))
-    return HoledCylinder(*drained, lower[0], upper[0], lower[1], upper[1], air)
+    return HoledCylinder(*drained, lower[0], upper[0], lower[1], upper[1], air, by_mass)
 
 
 def _hole(cylinder: Entries, name: str, oil: Oil) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from twin.accessory import INFLOW, LINE, Joined, Necks, accessory_neck, cushioned
 from twin.accumulator import AnyAccumulator, fill_accumulator, with_accumulator
-from twin.actuator import Actuator, drive, fill_chambers
+from twin.actuator import Actuator, counted, drive, fill_chambers
 from twin.amplifier import Amplifiers, Direct
 from twin.check_valve import AnyCheck
 from twin.circuit.ends import (
@@ -266,7 +266,8 @@ def step_once(s: Core, reference: float, parts: Parts, bank: Bank, ends: Ends, s
     pumped = supply_side(tick, ends, parts, slots)
     relief, tee = relief_side(parts.relief_place, s.relief, s.tee, ends, parts, slots)
     valve_side(spool.position, ends, parts, slots)
-    chambers, lost = cylinder_side(parts.necks, s.chambers, piston, ends, parts, slots)
+    stored = counted(parts.cylinder, s.chambers, p, s.piston.position, piston.position)
+    chambers, lost = cylinder_side(parts.necks, stored, piston, ends, parts, slots)
     returned = return_side(ends, parts)
     departing(bank, memory, int(tick), ends.flow)
     count_oil(ends.oil, ends.flow, given, delivered(parts.necks, ends, slots), h)

@@ -11,6 +11,7 @@ from twin.topology import CHANNELS
 Array = NDArray[np.float64]
 TAPS = tuple(CHANNELS)
 STILL, SETTLING = 2e-3, 0.05  # share of the travel, and time [s] after which a valve that is shut counts as so
+MOVED = 10.0  # deviations of the noise in SETTLING: slower is creeping
 CHAMBERS = ("p2", "p3", "p_lower", "p_upper")
 
 
@@ -77,15 +78,30 @@ def in_steps(record: Record, step: float) -> Record:
 
 
 def only_moving(record: Record) -> Record:
-    """The record, its chambers' pressures counted only while a command opens the valve, or has just shut it.
+    """The record, its chambers' pressures counted only while a command opens the valve, or has just shut it, and the
+    rod moves.
 
-    At rest they hang on a micrometre of the spool.
+    At rest they hang on a micrometre of the spool; where it creeps, on when it sticks.
     """
     reference = np.abs(record.stretches.reference[record.first[1:] - 1])
     reach = max(1, round(SETTLING / record.period))
     open_ = np.convolve(reference > STILL, np.ones(reach), "full")[: record.samples] > 0.5
-    signals = [s._replace(counted=s.counted & open_) if s.quantity in CHAMBERS else s for s in record.signals]
+    moving = open_ & _moves(record, reach)
+    signals = [s._replace(counted=s.counted & moving) if s.quantity in CHAMBERS else s for s in record.signals]
     return record._replace(signals=tuple(signals))
+
+
+def _moves(record: Record, reach: int) -> NDArray[np.bool_]:
+    """Where the rod, the mean of `reach` samples, goes further than MOVED in that time."""
+    signal = record.signal("position")
+    if signal is None:
+        return np.ones(record.samples, bool)
+    missing = ~np.isfinite(signal.value)
+    held = np.interp(np.arange(record.samples), np.flatnonzero(~missing), signal.value[~missing])
+    padded = np.pad(held, reach, mode="edge")
+    mean = np.convolve(padded, np.ones(reach) / reach, "valid")
+    moved = np.abs(mean[reach : reach + record.samples] - mean[: record.samples])
+    return moved > MOVED * signal.deviation
 
 
 def with_noise(record: Record, deviations: dict[str, float]) -> Record:

@@ -18,10 +18,11 @@ from bridge.errors import RunError
 from bridge.studies.identification.data import Array, Record
 from bridge.studies.identification.parameters import Parameter
 from bridge.studies.identification.residuals import At, Residuals, SettledError, Task, tamed
-from bridge.studies.identification.simulation import shots_of
+from bridge.studies.identification.simulation import Shot, shots_of
 
 SHORTEST, SHORT, BETWEEN, WHOLE = 0.2, 1.0, 5.0, math.inf  # lengths of shots [s]
 WORSE = 1.5  # by how much longer ones may be explained worse
+ENOUGH = 10.0  # [s] of short shots, spread over all records
 ROUGH = 0.03  # share of the residual that a step over short shots must be worth
 REACH = 0.3  # first step of a place, at most
 TOLERANCE = 1e-9  # the residuals themselves say when a step is worth nothing
@@ -63,7 +64,9 @@ def fit(
     """
 
     def over(shots: float, places: Array, rough: bool) -> Fitted:
-        found = solve(Task(*base, records, parameters, shots_of(records, shots)), places, shots, rough, crew)
+        cut = shots_of(records, shots)
+        cut = spread(cut, records) if rough else cut
+        found = solve(Task(*base, records, parameters, cut), places, shots, rough, crew)
         done.append(found)
         return found
 
@@ -107,14 +110,14 @@ def solve(
     places, _ = residuals.last()
     shots = residuals.at(places) if rough else residuals.afresh(places)
     left = float(sum((tamed(at.residual) ** 2).sum() for at in shots) + ((places / residuals.priors()) ** 2).sum())
-    jacobian = np.zeros((0, len(places))) if rough else _slopes(residuals, places)
+    jacobian = np.zeros((0, len(places))) if rough else residuals.slopes(places)[: -len(places)]
     return Fitted(places, task, length, shots, jacobian, 0.5 * left, residuals.runs, (), settled, residuals.steps)
 
 
-def _slopes(residuals: Residuals, places: Array) -> Array:
-    """Of the residuals; the first tell how far off the second are to be taken."""
-    residuals.slopes(places)
-    return residuals.slopes(places)[: -len(places)]
+def spread(shots: list[Shot], records: Sequence[Record]) -> list[Shot]:
+    """Shots evenly over all, ENOUGH in time."""
+    lasts = sum((shot.end - shot.begin) * records[shot.record].period for shot in shots)
+    return shots[:: max(1, math.floor(lasts / ENOUGH))]
 
 
 def rms(found: Fitted) -> float:

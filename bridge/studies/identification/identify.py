@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from bridge.errors import UsageError
 from bridge.scenario import Scenario, check, load
+from bridge.studies.identification.alone import Ranked, ranked
 from bridge.studies.identification.data import Record, in_steps, only_moving, with_noise
 from bridge.studies.identification.fit import Fitted, Values, fit
 from bridge.studies.identification.parameters import Parameter, parameters_of, priors_of
@@ -32,6 +33,7 @@ class Wanted(NamedTuple):
     noise: tuple[tuple[str, float], ...] = ()  # deviations [SI]
     length: float | None = None  # of shots [s]
     moving: bool = False
+    each: bool = False  # find the one number that explains most, and fit that alone
 
 
 class Prepared(NamedTuple):
@@ -53,6 +55,7 @@ class Judged(NamedTuple):
     judged: list[Whiteness]
     before: list[Whiteness]  # the fitted recordings with the numbers to start with
     starts: Starts | None
+    ranked: Ranked | None  # each number alone
     seconds: float  # CPU, of the fit
 
 
@@ -91,6 +94,10 @@ def identify(wanted: Wanted, starts: int, part: Path | None, crew: Crew) -> Judg
     ready = prepared(wanted)
     held = records_of(wanted, wanted.judge)
     with threads(crew) as own:
+        order = ranked(*ready, own) if wanted.each else None
+        if order is not None:
+            best = order.tried[0].parameter.name
+            ready = ready._replace(parameters=[one for one in ready.parameters if one.name == best])
         several = from_several(wanted, ready.parameters, starts, part, crew) if starts > 1 else None
         began = time.process_time()
         found = fit(*ready, start=None if several is None else several.best, length=wanted.length, crew=own)
@@ -99,7 +106,9 @@ def identify(wanted: Wanted, starts: int, part: Path | None, crew: Crew) -> Judg
         other = on_others(found, held, own) if held else None
     scenario = check(dict(wanted.scenario), "the rig")
     judged = [] if other is None else whiteness(other)
-    return Judged(wanted, scenario, found, uncertainty(found), other, judged, whiteness(before), several, seconds)
+    return Judged(
+        wanted, scenario, found, uncertainty(found), other, judged, whiteness(before), several, order, seconds
+    )
 
 
 def on_others(found: Fitted, records: Sequence[Record], crew: Executor | None = None) -> Fitted:

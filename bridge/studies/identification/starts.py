@@ -14,7 +14,7 @@ from scipy.stats import qmc
 
 from bridge.errors import RunError
 from bridge.studies.identification.data import Array
-from bridge.studies.identification.fit import SHORT, rms, solve
+from bridge.studies.identification.fit import SHORT, rms, solve, spread
 from bridge.studies.identification.parameters import Parameter
 from bridge.studies.identification.residuals import Task
 from bridge.studies.identification.simulation import shots_of
@@ -76,7 +76,8 @@ def rough(point: Point, wanted: dict[str, Any]) -> Result:
     from bridge.studies.identification.identify import Wanted, prepared
 
     ready = prepared(Wanted(**wanted))
-    task = Task(*ready.base, ready.records, ready.parameters, shots_of(ready.records, SHORT))
+    shots = spread(shots_of(ready.records, SHORT), ready.records)
+    task = Task(*ready.base, ready.records, ready.parameters, shots)
     try:
         found = solve(task, np.array(point["places"]), SHORT, True)
     except RunError:

@@ -1,12 +1,8 @@
 """What a fit does not know: standard errors, correlations, and the combinations that the data cannot tell.
 
 With the Jacobian J of the residuals in deviations of the noise, starts taken out, the covariance of the places is
-(J'J + P)^-1, P of what is known before. Where residuals are not white, because the twin is not the rig or because
-rounding is not noise, neighbours count less than they seem to: then it is C (sum g g') C, with g the sum of J'r over
-blocks of half a second (a sandwich, H. White, Econometrica 50 (1982) 1; blocks keep what hangs together).
-
-The singular values of J say how far the places can go along each of its directions before the data see it. A direction
-in which that is more than UNTOLD cannot be told; the numbers that take part in it are named.
+(J'J + P)^-1, P of what is known before, where what is left is white; otherwise that of `discrepancy`. A number is
+identified where the data alone tell it, without what was known before.
 """
 
 from collections.abc import Sequence
@@ -15,14 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from bridge.studies.identification.data import Array
+from bridge.studies.identification.discrepancy import scattered
 from bridge.studies.identification.fit import Fitted
 from bridge.studies.identification.parameters import Parameter
+from bridge.studies.identification.untold import POOR, Direction, data_alone, untold
 from bridge.studies.identification.whiteness import Whiteness, whiteness
 
-UNTOLD = 0.5  # deviation of a place: a factor of 1.6 either way
-POOR = 0.25  # deviation of a number above which it counts as not identified
-PART = 0.3  # share of a direction with which a number takes part in it
-BLOCK = 0.5  # [s]
 STRONG = 0.9  # correlation that is told
 CERTAIN = 1.959964  # deviations to either side: 95 %
 
@@ -34,8 +28,20 @@ class Estimate(NamedTuple):
     value: float  # SI
     place: float
     spread: float  # standard error of the place: of a logarithm, or in scales
-    identified: bool
+    alone: float  # the same by the data alone, without what was known before
     at_limit: bool
+
+    @property
+    def identified(self) -> bool:
+        """Do the data tell it?"""
+        return self.alone <= POOR
+
+    @property
+    def verdict(self) -> str:
+        """Why it is not identified; empty where it is."""
+        if self.identified:
+            return ""
+        return "not identified: its prior decides" if self.spread <= POOR else "not identified"
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -49,26 +55,6 @@ class Estimate(NamedTuple):
     def error(self) -> float:
         """Standard error [SI]."""
         return self.parameter.deviation(self.value, self.spread)
-
-
-class Direction(NamedTuple):
-    """A combination of numbers that the data cannot tell."""
-
-    spread: float  # how far the places can go along it
-    shares: tuple[tuple[str, float], ...]  # of the numbers that take part
-
-    @property
-    def words(self) -> str:
-        """In one sentence."""
-        first, *rest = (name for name, _ in self.shares)
-        reach = "hardly at all" if self.spread > 10.0 else f"only within a deviation of {self.spread:.0%}"
-        if not rest:
-            return f"{first} is told {reach} by these data"
-        same = [name for name, share in self.shares[1:] if share * self.shares[0][1] > 0.0]
-        other = [name for name in rest if name not in same]
-        ways = [f"{' and '.join(same)} grow with it"] if same else []
-        ways += [f"{' and '.join(other)} fall"] if other else []
-        return f"{first} is told {reach} by these data while {' and '.join(ways)}: fix one of them"
 
 
 class Uncertainty(NamedTuple):
@@ -94,17 +80,16 @@ def uncertainty(found: Fitted) -> Uncertainty:
     """Of a fit."""
     white = whiteness(found)
     robust = not all(one.passed for one in white)
-    plain = _inverse(found.jacobian, found.task.parameters)
-    covariance = _sandwich(found, plain) if robust else plain
+    parameters = found.task.parameters
+    plain = _inverse(found.jacobian, parameters)
+    covariance = scattered(found, plain) if robust else plain
     spread = np.sqrt(np.diag(covariance))
-    estimates = [
-        Estimate(one, value, place, own, own <= POOR, _at_limit(one, place))
-        for one, value, place, own in zip(
-            found.task.parameters, found.values, found.places.tolist(), spread.tolist(), strict=True
-        )
-    ]
+    alone = np.sqrt(np.diag(data_alone(found.jacobian))) * spread / np.sqrt(np.diag(plain))
+    errors = zip(parameters, found.values, found.places.tolist(), spread.tolist(), alone.tolist(), strict=True)
+    estimates = [Estimate(one, value, u, own, data, _at_limit(one, u)) for one, value, u, own, data in errors]
     correlation = covariance / np.outer(spread, spread)
-    return Uncertainty(estimates, covariance, correlation, untold(found), white, robust)
+    unseen = untold(found.jacobian, parameters, covariance)
+    return Uncertainty(estimates, covariance, correlation, unseen, white, robust)
 
 
 def _at_limit(parameter: Parameter, place: float) -> bool:
@@ -117,36 +102,3 @@ def _inverse(jacobian: Array, parameters: Sequence[Parameter]) -> Array:
     known = np.diag([1.0 / one.prior for one in parameters])
     _, single, right = np.linalg.svd(np.vstack([jacobian, known]), full_matrices=False)
     return (right.T / single**2) @ right
-
-
-def _sandwich(found: Fitted, plain: Array) -> Array:
-    """Not narrower than the plain one in any number."""
-    scores, row = [], 0
-    for shot, at in zip(found.task.shots, found.shots, strict=True):
-        record = found.task.records[shot.record]
-        signals = len(record.signals)
-        rows = slice(row, row + len(at.residual))
-        by_sample = (found.jacobian[rows] * at.residual[:, None]).reshape(signals, -1, len(plain)).sum(axis=0)
-        length = max(1, round(BLOCK / record.period))
-        starts = np.arange(0, len(by_sample), length)
-        scores.append(np.add.reduceat(by_sample, starts, axis=0))
-        row = rows.stop
-    g = np.vstack(scores)
-    known = np.diag([1.0 / one.prior**2 for one in found.task.parameters])
-    robust = plain @ (g.T @ g + known) @ plain
-    wider = np.sqrt(np.maximum(np.diag(robust), np.diag(plain)) / np.diag(robust))
-    return robust * np.outer(wider, wider)
-
-
-def untold(found: Fitted) -> list[Direction]:
-    """Directions in which the data leave the places alone, the worst first."""
-    _, single, right = np.linalg.svd(found.jacobian, full_matrices=False)
-    directions = []
-    for s, along in zip(single[::-1], right[::-1], strict=True):
-        spread = 1.0 / s if s > 0.0 else np.inf
-        if spread <= UNTOLD:
-            break
-        order = np.argsort(-np.abs(along))
-        shares = [(found.task.parameters[i].name, float(along[i])) for i in order if abs(along[i]) >= PART]
-        directions.append(Direction(float(spread), tuple(shares)))
-    return directions
