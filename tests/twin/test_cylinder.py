@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.plant import BAR
-from twin.actuator import chamber_cavities, chamber_pressures, chamber_volumes, fill_chambers, stored_oil
+from twin.actuator import chamber_cavities, chamber_pressures, chamber_volumes, counted, fill_chambers, stored_oil
 from twin.cylinder import Chambers, Cylinder
 from twin.port import Port
 
@@ -50,3 +50,17 @@ def test_the_volumes_are_those_of_table_2_1():
     """Piston at the lower stop: the dead volume below, 270 mm of the full bore above."""
     volume = chamber_volumes(0.0, CYLINDER)
     assert volume == (11.6e-6, pytest.approx(19.6e-6 + 0.27 * 1.963e-3))
+
+
+@pytest.mark.parametrize("by_mass", [1.0, 0.0])
+def test_a_pressure_stays_when_the_piston_makes_room_for_what_flows_in(by_mass):
+    """By volume A v at the chamber's pressure, by mass A v (1 + p/B); rounding of stored oil is 1e-16 of it."""
+    cylinder, p = CYLINDER._replace(by_mass=by_mass), Chambers(100 * BAR, 40 * BAR)
+    before, then = 0.10, 0.13
+    inflow = [
+        sign * area * (then - before) * (1.0 + by_mass * pressure / cylinder.bulk_modulus)
+        for sign, area, pressure in zip((1.0, -1.0), (cylinder.area_lower, cylinder.area_upper), p, strict=True)
+    ]
+    held = counted(cylinder, stored_oil(p, before, cylinder), p, before, then)
+    filled = Chambers(held.lower + inflow[0], held.upper + inflow[1])
+    assert chamber_pressures(filled, then, cylinder) == pytest.approx(p, rel=1e-9)
