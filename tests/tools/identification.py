@@ -24,7 +24,7 @@ from bridge.runs.in_process import run_in_memory
 from bridge.scenario import changed
 from bridge.scenario.circuit import in_memory
 from bridge.scenario.files import plain
-from bridge.studies.identification.fit import fit
+from bridge.studies.identification.fit import fit, rms
 from bridge.studies.identification.parameters import Parameter, parameters_of
 from bridge.studies.identification.recorded import record_in
 from bridge.studies.identification.residuals import Residuals, Task
@@ -78,7 +78,7 @@ def draw(point: Point, duration: float = 30.5) -> dict[str, Any]:
     return {
         "estimates": {e.parameter.name: _compared(e, true, b) for e, b in zip(known.estimates, bound, strict=True)},
         "named": TOGETHER in [{name for name, _ in one.shares} for one in known.untold],
-        "length": found.length, "rms": found.tried[-1][1], "robust": known.robust, "converged": found.converged,
+        "length": found.length, "rms": rms(found), "robust": known.robust, "converged": found.converged,
         "white": [[one.signal, one.deviations, one.correlation] for one in known.whiteness],
         "seconds": {"record": recorded - began, "fit": fitted - recorded, "all": time.process_time() - began},
         "runs": found.runs,

@@ -3,7 +3,8 @@
 Over short shots the residual is nearly linear in the numbers and a wrong guess still finds its way; over a whole record
 it says most about what is slow. So the fit begins roughly with short ones and continues with whole records. Where these
 are explained much worse, the twin drifts away from the rig for a reason that no number explains: then shots of a length
-between are taken, or the short ones.
+between are taken, or the short ones. Where whole records leave more than noise, the fit may stand in a minimum in which
+the rod sticks for a moment where the other slides: it is made again from the numbers that all short shots ask for.
 """
 
 import math
@@ -21,6 +22,7 @@ from bridge.studies.identification.residuals import At, Residuals, SettledError,
 from bridge.studies.identification.simulation import Shot, shots_of
 
 SHORTEST, SHORT, BETWEEN, WHOLE = 0.2, 1.0, 5.0, math.inf  # lengths of shots [s]
+MORE = 1.1  # residual, in deviations, that is more than noise
 WORSE = 1.5  # by how much longer ones may be explained worse
 ENOUGH = 10.0  # [s] of short shots, spread over all records
 ROUGH = 0.03  # share of the residual that a step over short shots must be worth
@@ -82,6 +84,9 @@ def fit(
         if rms(best) <= WORSE * rough:
             break
     assert best is not None
+    if best.length == WHOLE and rms(best) > MORE:
+        near = over(SHORT, places, False).places
+        best = min(best, over(WHOLE, near, False), key=lambda one: one.cost)
     tried = tuple((one.length, rms(one)) for one in done)
     return best._replace(tried=tried, runs=sum(one.runs for one in done))
 
