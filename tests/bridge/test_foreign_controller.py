@@ -43,7 +43,7 @@ def foreign_run(tmp_path_factory) -> Recording:
     """A run closed by the example; both processes must end well and in time."""
     path, endpoint = tmp_path_factory.mktemp("foreign") / "foreign.mcap", free_endpoint()
     options = ("--mode", "lockstep", "--external", "--duration", "3", "--set", "loop.delay=5 ms", "--patience", "20")
-    command = ("run", "step", *options, "--listen", endpoint, "--record", str(path))
+    command = ("run", "step", *options, "--listen", endpoint, "--record", str(path), *UNDRAWN)
     with started(*command) as run, foreign_controller(endpoint) as controller:
         assert run.wait(60) == 0, run.communicate()[0]
         assert controller.wait(10) == 0, controller.communicate()[0]
@@ -94,7 +94,7 @@ def test_a_law_of_ones_own_moves_the_piston_to_the_target(tmp_path):
         "--mode",
         "lockstep",
         "--duration",
-        "3",
+        "2",
         "--set",
         "controller.kind=python",
         "--set",
@@ -104,5 +104,5 @@ def test_a_law_of_ones_own_moves_the_piston_to_the_target(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     recording = read(path)
     assert recording.scenario().controller.model_dump()["law"] == "my_law:law"
-    assert position_at(recording, 3.0) == pytest.approx(0.16, abs=1e-3)
-    assert recording.metadata["summary"]["commands"]["sent"] == 301
+    assert position_at(recording, 2.0) == pytest.approx(0.16, abs=1e-3)
+    assert recording.metadata["summary"]["commands"]["sent"] == 201

@@ -57,8 +57,8 @@ def trial(home: Path, seconds: float, changes: tuple[str, ...], intruders: bool 
     """A loop of three processes through a guarded router, and intruders or a load that does not touch the network."""
     endpoint, path = free_endpoint().replace("tcp/", "tls/"), home / "run.mcap"
     path.unlink(missing_ok=True)
-    length, patient = round(1.05 * seconds + SETTLING + 5), ("--set", "loop.command_timeout=5 s")
-    duration = ("--set", f"duration={length}", *patient, *changes, *LOOSE)
+    patient = ("--set", "loop.command_timeout=5 s")
+    duration = ("--set", f"duration={round(2 * seconds + 60)}", *patient, *changes, *LOOSE)
     joins = {role: ("--connect", endpoint, "--zenoh-config", f"keys/{role}.json5") for role in ROLES}
     with ExitStack() as stack:
         listening = ("router", "--listen", endpoint, "--zenoh-config", "keys/router.json5")
@@ -75,12 +75,14 @@ def trial(home: Path, seconds: float, changes: tuple[str, ...], intruders: bool 
         for process in crowd:
             assert process.stdout
             assert process.stdout.readline() == "ready\n"
-        wait_for(lambda: path.exists() and path.stat().st_size > 100_000, 60.0)
+        wait_for(lambda: path.exists() and path.stat().st_size > 30_000, 60.0)
         for process in crowd:  # all at once
             assert process.stdin
             process.stdin.write("go\n")
             process.stdin.flush()
         told = [json.loads(process.communicate()[0].splitlines()[-1]) for process in crowd]
+        assert processes[0].poll() is None, "the loop has ended before they had done all"
+        processes[0].send_signal(signal.SIGINT)
         for process in processes:
             assert process.wait(120) == 0, process.communicate()[0]
         router.send_signal(signal.SIGINT)
@@ -133,7 +135,7 @@ def assert_refused(found: Trial, attempts: int) -> None:
     assert min(counted[f"{what} connection refused"] for what in ("certificate", "user", "password")) > 0
     assert counted["message without the right"] == tried["viewer replay"] + tried["oversize"]
     assert summary["commands"]["refused"] == {"out of order": tried["replay"]}
-    assert summary["ending"].startswith("complete after")
+    assert summary["ending"].startswith("interrupted after")  # by us, when all was tried
     assert summary["safe_states"] == 0
     assert summary["lost"] == {}
 
@@ -144,9 +146,8 @@ def lateness(recording: Recording) -> float:
     return float(np.percentile(timing["lateness"][timing["stamp"] > SETTLING * 1e9], 99)) * 1e-9
 
 
-@pytest.mark.timed
 def test_every_attempt_is_refused_and_counted(home):
-    assert_refused(trial(home, 4.0, COARSE), 200)
+    assert_refused(trial(home, 3.0, COARSE), 150)
 
 
 @pytest.mark.endurance

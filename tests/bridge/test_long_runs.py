@@ -23,6 +23,7 @@ FIFO = ("--priority", "fifo")
 EDGES = np.array([-np.inf, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, np.inf])  # [ms] of lateness
 SETTLED = 0.3  # share of the run after which memory is settled
 GROWN = 8.0  # [MB] that a process may have more at the end than when it was settled, beside a share
+SCANS = "loop.daq_period='10 ms'"  # one for each sample alone: the steps of the twin are those of every run
 ROLES = ("plant", "controller", "record", "view")
 
 
@@ -160,11 +161,11 @@ def assert_no_drift(seconds: float, *further: str) -> None:
 
 
 def test_a_minute_of_simulated_time_drifts_in_neither_energy_nor_oil():
-    assert_no_drift(64.0)
+    assert_no_drift(64.0, SCANS)
 
 
 @pytest.mark.endurance
 @pytest.mark.timeout(4 * 3600)
 def test_a_day_of_simulated_time_drifts_in_neither_energy_nor_oil():
-    """A scan for each sample alone: the steps of the twin are those of every run, at a third of an hour's work."""
-    assert_no_drift(86400.0, "loop.daq_period='10 ms'")
+    """At a third of an hour's work."""
+    assert_no_drift(86400.0, SCANS)

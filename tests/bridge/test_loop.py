@@ -18,7 +18,7 @@ from tests.support.processes import (
     wait_for,
 )
 
-SHORT = ("step", "--duration", "3")
+SHORT = ("step", "--duration", "1.6")
 LOOSE = (  # a busy machine is no failure here
     *("--set", "real_time.overruns=1.0", "--set", "real_time.length=10", "--set", "real_time.late_commands=1.0"),
     *("--set", "loop.command_timeout=2"),
@@ -33,7 +33,7 @@ def folder(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def in_process(folder) -> dict[str, str]:
-    record_in_process(load("step", ["duration=3"]), folder / "inprocess.mcap")
+    record_in_process(load("step", [f"duration={SHORT[-1]}"]), folder / "inprocess.mcap")
     return digest(folder / "inprocess.mcap")
 
 
@@ -51,7 +51,6 @@ def test_lockstep_recordings_are_in_order_across_channels(folder, in_process, lo
     assert [e for e in whole.entries if e.topic != "status"] == read(folder / "inprocess.mcap").entries
 
 
-@pytest.mark.timed
 def test_a_real_time_run_without_late_commands_is_the_same(folder):
     """With a delay that a busy machine keeps to; a run that was late all the same says so and is tried again."""
     ample = ("--set", "loop.delay=0.3", *COARSE)
@@ -165,7 +164,7 @@ def test_any_law_of_a_user_closes_the_loop(folder, tmp_path):
     )
     law = ("controller.kind=python", f"controller.law={tmp_path / 'mine.py'}:law")
     changes = [word for change in law for word in ("--set", change)]
-    recording = run_recorded(folder / "mine.mcap", *SHORT, "--mode", "lockstep", *changes)
+    recording = run_recorded(folder / "mine.mcap", "step", "--duration", "2.2", "--mode", "lockstep", *changes)
     assert recording.columns("state")["position"][-1] == pytest.approx(0.16, abs=2e-3)
 
 
@@ -173,12 +172,14 @@ def test_plants_of_two_names_share_one_network(folder):
     """A second rig connects to the first one's plant as its router, and neither hears the other."""
     endpoint = _endpoint()
     with (
-        started("plant", "step", "--set", "rig_name=one", "--set", "duration=60", "--listen", endpoint),
-        started("plant", "step", "--set", "rig_name=two", "--set", "duration=60", "--connect", endpoint) as second,
+        started("plant", "step", *COARSE, "--set", "rig_name=one", "--set", "duration=60", "--listen", endpoint),
+        started(
+            "plant", "step", *COARSE, "--set", "rig_name=two", "--set", "duration=60", "--connect", endpoint
+        ) as second,
     ):
         path = folder / "two.mcap"
         with started("record", "-o", str(path), "--rig", "two", "--connect", endpoint) as recorder:
-            wait_for(lambda: path.is_file() and path.stat().st_size > 20_000, 30)
+            wait_for(lambda: path.is_file() and path.stat().st_size > 5_000, 30)
             second.terminate()
             assert recorder.wait(20) == 0
     assert {m.run_id for m in read(path).messages("measurement")} == {int(read(path).metadata["run"]["run_id"])}

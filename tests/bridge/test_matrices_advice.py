@@ -17,7 +17,7 @@ from bridge.studies.stability.amplitude import loop_of
 from bridge.studies.stability.probe import stand_of
 from bridge.studies.stability.sampled_law import at_free, at_gain, free_gain, is_asked
 from bridge.studies.stability.trial import trial
-from controller.stability.amplitude.edges import swing
+from controller.stability.amplitude.edges import SEEDS, swing
 
 SLOW = ["loop.sample_period=100ms", "loop.command_timeout=1"]
 EXACT = ["daq.noise=0", "daq.quantise=false"]
@@ -78,6 +78,7 @@ def test_advice_has_factors_and_no_derivative(monkeypatch: pytest.MonkeyPatch):
     """With fewer motions than usual; the own gain is in the middle of the rows of a loop that swings at times."""
     monkeypatch.setattr(amplitude, "FURTHER", ())
     monkeypatch.setattr(amplitude, "ASKED", (STEP,))
+    monkeypatch.setattr(amplitude, "SEEDS", SEEDS[:1])
     found = advise(matrices(f"controller.D=[[{2.0 * OWN!r}]]"), (STEP,))
     assert isinstance(found, Advice)
     assert (found.unit, found.timing.derivative) == ("x", "none")

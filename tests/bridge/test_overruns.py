@@ -38,7 +38,6 @@ def told(output: str) -> dict:
     return json.loads(found[0])
 
 
-@pytest.mark.timed
 @pytest.mark.parametrize(("policy", "behind"), [("catch-up", False), ("skip", True)])
 def test_a_plant_catches_up_or_stays_behind_by_whole_periods(policy: str, behind: bool):
     """Every tick is integrated in both; only the clock's share of it differs."""
@@ -54,7 +53,6 @@ def test_a_plant_catches_up_or_stays_behind_by_whole_periods(policy: str, behind
         assert last["longest_burst"] >= 0.9 * HELD / 10e-3
 
 
-@pytest.mark.timed
 def test_a_plant_that_may_not_be_late_ends_and_says_why():
     code, output, _ = held("stop", "--set", "real_time.length=0.2", "--set", "real_time.overruns=1.0")
     assert code == 1

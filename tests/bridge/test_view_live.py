@@ -1,7 +1,7 @@
 """A running plant in Rerun: all of it arrives, a stalled or closed viewer holds nobody, mistakes get one line."""
 
+import json
 import signal
-import time
 from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,8 +22,11 @@ from tests.bridge.test_view import column
 from tests.support.command import hydrotwin_here
 from tests.support.processes import (
     COARSE,
+    HYDROTWIN,
     LOOSE,
+    PATIENT,
     UNDRAWN,
+    grown,
     hydrotwin,
     started,
     wait_for,
@@ -32,7 +35,8 @@ from tests.support.processes import (
 
 pytest.importorskip("rerun")
 LONG = ["--set", "duration=3", "--set", "real_time.overruns=1.0", "--set", "real_time.length=10 s"]
-PATIENT = ("--set", "loop.command_timeout=5 s")  # of a controller that has to wait for a processor
+GOES_ON = 100_000  # [bytes] of a recording: some hundred ticks
+SLOW_CONTROLLER = ("--set", "loop.command_timeout=5 s")  # that has to wait for a processor
 
 
 def sample(payload: bytes, stamp: tuple[int, int] | None = (0, 0)) -> SimpleNamespace:
@@ -169,10 +173,10 @@ def test_what_has_waited_is_drawn_in_parts_and_whole(tmp_path: Path):
 
 
 @contextmanager
-def running(*changes: str):
+def running(*changes: str, program: tuple[str, ...] = HYDROTWIN):
     """A scenario in real time and the address of its plant."""
     endpoint = free_endpoint()
-    with started("run", *UNDRAWN, "step", *LONG, "--listen", endpoint, *changes) as process:
+    with started("run", *UNDRAWN, "step", *LONG, "--listen", endpoint, *changes, program=program) as process:
         yield process, endpoint
 
 
@@ -181,14 +185,14 @@ def running(*changes: str):
 def test_a_running_plant_is_drawn_to_its_end(tmp_path: Path):
     """Into a file, tick by tick: at 1 kHz nothing is missing between the first and the last."""
     path = tmp_path / "live.rrd"
-    with running("--record", str(tmp_path / "a.mcap"), "--set", "duration=6") as (_, endpoint):
+    with running("--record", str(tmp_path / "a.mcap"), "--set", "duration=5") as (_, endpoint):
         done = hydrotwin("view", "--connect", endpoint, "--save", str(path), "--patience", "60")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     with pytest.warns(Warning, match="no footer"):  # for which Rerun would keep a line a batch in memory
         texts = column(path, "/events", "TextLog:text")[1]
     stamps = np.sort(column(path, "/position_mm/piston", "Scalars:scalars")[0])
-    assert stamps[-1] == 6_000_000_000
+    assert stamps[-1] == 5_000_000_000
     assert np.diff(stamps).tolist() == [1_000_000] * (len(stamps) - 1)
     assert len(stamps) > 1000
     assert any("ended" in text for text in texts)
@@ -196,24 +200,32 @@ def test_a_running_plant_is_drawn_to_its_end(tmp_path: Path):
 
 @pytest.mark.parametrize(
     "number",
-    [signal.SIGSTOP, pytest.param(signal.SIGKILL, marks=(pytest.mark.endurance, pytest.mark.timeout(120)))],
+    [signal.SIGSTOP, pytest.param(signal.SIGKILL, marks=pytest.mark.endurance)],
 )
+@pytest.mark.timeout(400)
 def test_a_stalled_or_killed_viewer_holds_nobody(tmp_path: Path, number: signal.Signals):
-    """The run is as long as without it and loses nothing."""
-    view = tmp_path / "a.rrd"
+    """The run goes on and loses nothing. It lasts until the viewer was there, however busy the machine is.
+
+    The plant's last word waits for its readers, of whom Zenoh gives one up that takes nothing for 5 s.
+    """
+    view, path = tmp_path / "a.rrd", tmp_path / "a.mcap"
+    words = ("--record", str(path), *COARSE, *SLOW_CONTROLLER, *LOOSE, "--set", "duration=1000")
     with (
-        running("--record", str(tmp_path / "a.mcap"), *COARSE, *PATIENT, *LOOSE) as (process, endpoint),
-        started("view", "--connect", endpoint, "--save", str(view), "--patience", "60") as viewer,
+        running(*words, program=PATIENT) as (process, endpoint),
+        started("view", "--connect", endpoint, "--save", str(view), "--patience", "120") as viewer,
     ):
-        wait_for(view.exists, 60.0)
-        begin = time.monotonic()
+        wait_for(view.exists, 120.0)
         with_signal(viewer.pid, number)
-        assert process.wait(60) == 0, process.stdout.read() if process.stdout else ""
-        assert time.monotonic() - begin < 30.0
+        enough = path.stat().st_size + GOES_ON
+        wait_for(lambda: grown(path, enough), 60.0)
+        with_signal(process.pid, signal.SIGINT)
+        output, _ = process.communicate(timeout=60)
     from bridge.recording.reader import read
 
-    recording = read(tmp_path / "a.mcap")
-    assert recording.counts["state"] == 301
+    recording = read(path)
+    ticks = recording.columns("state")["tick"]
+    assert np.array_equal(ticks, np.arange(len(ticks)))
+    assert json.loads(output)["faults"] == [f"the run ended early: interrupted after {len(ticks) - 1} ticks"]
     assert recording.metadata["summary"]["lost"] == {}
 
 

@@ -36,10 +36,16 @@ def hydrotwin(*arguments: str, cwd: Path = ROOT, timeout: float = 120.0) -> subp
 
 
 HYDROTWIN = ("-m", "bridge")
-IMPATIENT = (  # a supervisor that gives its processes 2 s instead of 8 s to end
-    "-c",
-    "from bridge.processes import supervisor; supervisor.FAREWELL = 2.0; from bridge.cli import main; main()",
-)
+
+
+def supervised(farewell: float) -> tuple[str, ...]:
+    """The command with a supervisor that gives its processes so many seconds to end, instead of 8."""
+    code = f"from bridge.processes import supervisor; supervisor.FAREWELL = {farewell}; "
+    return ("-c", code + "from bridge.cli import main; main()")
+
+
+IMPATIENT = supervised(2.0)
+PATIENT = supervised(60.0)  # however busy the machine is
 
 
 @contextmanager
