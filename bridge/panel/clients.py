@@ -54,8 +54,9 @@ class Clients:
             if not (client.resting and kind == "frame"):
                 client.send(text)
 
-    def __len__(self) -> int:
-        return len(self._open)
+    def seen(self) -> bool:
+        """Does anybody look at a page now?"""
+        return any(not client.resting for client in self._open)
 
 
 def packed(kind: str, content: dict[str, Any]) -> str:

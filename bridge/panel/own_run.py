@@ -18,7 +18,7 @@ from bridge.scenario.loading import refuse_fast_daq
 from bridge.wire.link import DEFAULT_ENDPOINT, Link, free_endpoint, is_free
 
 ENDLESS = 3600.0  # [s], of a run that goes on until somebody ends it
-STARTING = 60.0  # [s] that plant and controller get: the first start compiles
+STARTING = 300.0  # [s] that plant and controller get: the first start of a drive compiles, on a busy machine for long
 FAREWELL = 8.0  # [s] that they get to end in order
 
 

@@ -42,13 +42,13 @@ class Run:
         self.status: dict[str, dict[str, Any]] = {}  # the newest of each role
         self.time = 0.0  # [s] of simulated time
         self.logged: dict[str, str] = {}  # signals of the law, and their units
-        self.plots = plots_of(self.scenario, self.logged)
+        self._show()
         self._series = {
             topic: Series(dtype_of(topic, layout_of(self.scenario)), self._keeps()) for topic in self._flat()
         }
 
-    def take(self, entries: list[Entry]) -> dict[str, Any]:
-        """What the page is to be told of new messages."""
+    def take(self, entries: list[Entry], seen: bool = True) -> dict[str, Any]:
+        """What a page is to be told of new messages; seen: is there any that shows curves and picture?"""
         own = [entry for entry in entries if run_of(entry) == self.rig.run_id]
         by_topic: dict[str, list[Entry]] = {}
         for entry in own:
@@ -58,7 +58,7 @@ class Run:
         for entry in by_topic.get("status", []):
             self._take_status(decode(entry.data, "status"))
         rows = {topic: series.add(by_topic.get(topic, [])) for topic, series in self._series.items()}
-        points = {topic: self._points(topic, found, PAIRS) for topic, found in rows.items() if len(found)}
+        points = {topic: self._points(topic, found, PAIRS) for topic, found in rows.items() if len(found) and seen}
         if by_topic.get("signals"):
             points["signals"] = self._take_signals(by_topic["signals"])
         for found in rows.values():
@@ -66,8 +66,8 @@ class Run:
                 self.time = max(self.time, float(found["stamp"][-1]) / NS)
         return {
             "curves": {topic: plain for topic, plain in points.items() if plain},
-            "lines": self._profile(by_topic.get("lines", [])),
-            "now": _now(rows),
+            "lines": self._profile(by_topic.get("lines", [])) if seen else None,
+            "now": _now(rows) if seen else None,
             **{name: words for name, words in _known(rows).items() if words},
             **({"events": events} if events else {}),
         }
@@ -94,11 +94,15 @@ class Run:
     def _keeps(self) -> int:
         return min(MOST, round(KEPT / self.scenario.loop.daq_period))
 
-    def _curves(self, topic: str) -> list[Curve]:
-        return list({key_of(c): c for plot in self.plots for c in plot.curves if c.topic == topic}.values())
+    def _show(self) -> None:
+        """Which curves there are, by topic, each once."""
+        self.plots = plots_of(self.scenario, self.logged)
+        self._curves: dict[str, dict[str, Curve]] = {}
+        for curve in (curve for plot in self.plots for curve in plot.curves):
+            self._curves.setdefault(curve.topic, {})[key_of(curve)] = curve
 
     def _points(self, topic: str, rows: Rows, stretches: int) -> dict[str, Any]:
-        curves = self._curves(topic)
+        curves = list(self._curves.get(topic, {}).values())
         if topic == "timing":
             rows = rows.copy()
             rows["round_trip"][rows["round_trip"] < 0] = 0
@@ -109,10 +113,11 @@ class Run:
         messages = [decode(entry.data, "signals") for entry in entries]
         if not self.logged:
             self.logged = units_logged(messages[0])
-            self.plots = plots_of(self.scenario, self.logged)
+            self._show()
         columns = own_columns(messages)
         time = np.asarray(columns["stamp"]) / NS
-        return _plain(Points(time, {name: columns[name] for name in self.logged}), self._curves("signals"))
+        curves = [curve for curve in self._curves.get("signals", {}).values() if curve.field in columns]
+        return _plain(Points(time, np.stack([columns[curve.field] for curve in curves], axis=1)), curves)
 
     def _take_events(self, entries: list[Entry], topic: str) -> list[dict[str, Any]]:
         found = [event_words(decode(entry.data, topic)) for entry in entries]
@@ -132,13 +137,12 @@ class Run:
 
 
 def _plain(points: Points, curves: list[Curve]) -> dict[str, Any]:
-    found = {key_of(c): _numbers(points.values[c.field] * c.scale, DIGITS) for c in curves if c.field in points.values}
-    return {"t": _numbers(points.time, 6), "v": found}
-
-
-def _numbers(values: Any, digits: int) -> list[float | None]:
-    rounded = np.round(values, digits)
-    return [None if v != v else v for v in rounded.tolist()] if np.isnan(rounded).any() else rounded.tolist()
+    """For the page: a list of times, and one of values for each curve."""
+    values = np.round(points.values * [curve.scale for curve in curves], DIGITS)
+    columns = values.T.tolist()
+    if np.isnan(values).any():
+        columns = [[None if value != value else value for value in column] for column in columns]
+    return {"t": np.round(points.time, 6).tolist(), "v": dict(zip(map(key_of, curves), columns, strict=True))}
 
 
 def _now(rows: dict[str, Rows]) -> dict[str, float | None] | None:

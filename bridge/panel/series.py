@@ -20,7 +20,7 @@ class Points(NamedTuple):
     """Thinned rows: of each stretch two, which hold the least and the greatest value of every field."""
 
     time: NDArray[np.float64]  # [s]
-    values: dict[str, NDArray[np.float64]]
+    values: NDArray[np.float64]  # one column per field that was asked for
 
 
 def dtype_of(topic: str, layout: Layout = ()) -> np.dtype[Any]:
@@ -64,23 +64,23 @@ class Series:
 def thinned(rows: Rows, fields: list[str], stretches: int) -> Points:
     """At most so many stretches of the rows; few rows as they are."""
     time = rows["stamp"] / NS
+    values = np.empty((len(rows), len(fields)))
+    for column, name in enumerate(fields):
+        values[:, column] = rows[name]
     length = math.ceil(len(rows) / max(1, stretches))
     if length <= 2:
-        return Points(time, {name: rows[name].astype(float) for name in fields})
+        return Points(time, values)
     starts = np.arange(0, len(rows), length)
     last = np.minimum(starts + length, len(rows)) - 1
-    pairs = np.column_stack([time[starts], time[last]]).ravel()
-    return Points(pairs, {name: _extremes(rows[name].astype(float), starts, last, length) for name in fields})
+    return Points(np.column_stack([time[starts], time[last]]).ravel(), _extremes(values, len(starts), length))
 
 
-def _extremes(
-    values: NDArray[np.float64], starts: NDArray[np.intp], last: NDArray[np.intp], length: int
-) -> NDArray[np.float64]:
+def _extremes(values: NDArray[np.float64], stretches: int, length: int) -> NDArray[np.float64]:
     """Least and greatest of each stretch, in the order in which they came; NaN where nothing is known."""
-    padded = np.full(len(starts) * length, np.nan)
+    padded = np.full((stretches * length, values.shape[1]), np.nan)
     padded[: len(values)] = values
-    table = padded.reshape(len(starts), length)
+    table = padded.reshape(stretches, length, -1)
     unknown = np.isnan(table)
     lowest, highest = np.where(unknown, np.inf, table).argmin(axis=1), np.where(unknown, -np.inf, table).argmax(axis=1)
-    at = np.sort(np.column_stack([lowest, highest]), axis=1)
-    return np.take_along_axis(table, at, axis=1).ravel()
+    at = np.stack([np.minimum(lowest, highest), np.maximum(lowest, highest)], axis=1)
+    return np.take_along_axis(table, at, axis=1).reshape(2 * stretches, -1)

@@ -81,7 +81,7 @@ class Station:
             raise UsageError("this panel watches a rig that was started elsewhere: start and stop it there")
         if self.own is not None or self.busy:
             raise UsageError("a run is going on: stop it first")
-        self.busy, self.run = f"starting {wish.scenario}", None
+        self.busy, self.run = f"starting {wish.scenario}; a drive's first start compiles", None
         self.clients.tell("state", self.state())
         try:
             own = await asyncio.to_thread(OwnRun, wish, self._folder, self._environment)
@@ -154,7 +154,7 @@ class Station:
             if self.own is None:
                 self.note = str(error)
             elif time.monotonic() > self._given_up:
-                await self._leave(f"the plant has not answered within {STARTING:g} s")
+                await self._leave(f"the plant has not answered within {STARTING:g} s: {error}")
 
     async def _begin(self, rig: Rig) -> None:
         """A run that was found."""
@@ -169,7 +169,7 @@ class Station:
     def _pump(self, rig: Rig) -> None:
         if self.run is None or self.run.rig is not rig:
             return
-        part = self.run.take(rig.take())
+        part = self.run.take(rig.take(), self.clients.seen())
         if len(self.run.logged) != self._logged:
             self._logged = len(self.run.logged)
             self._facts |= {"plots": plots_plain(self.run)}
