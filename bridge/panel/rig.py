@@ -60,6 +60,7 @@ class Rig:
             raise
         self._quiet_since, self._absent_since = time.monotonic(), 0.0
         self.ended: Phase | None = None
+        self._reason = ""  # of a failure
 
     @property
     def run_id(self) -> int:
@@ -87,7 +88,7 @@ class Rig:
     def heed(self, status: Any) -> None:
         """Take a status: the last one of the plant says how it has ended."""
         if status.role == "plant" and status.run_id == self.run_id and status.phase not in GOING:
-            self.ended = Phase(status.phase)
+            self.ended, self._reason = Phase(status.phase), status.text
 
     def over(self) -> bool:
         """Has the plant ended, or gone?"""
@@ -97,6 +98,17 @@ class Rig:
         elif not self._absent_since:
             self._absent_since = time.monotonic()
         return self.ended is not None or bool(self._absent_since and time.monotonic() - self._absent_since > GONE)
+
+    def farewell(self) -> str:
+        """How the run came to its end, for people."""
+        known = {
+            Phase.ENDED: "the run has ended",
+            Phase.INTERRUPTED: "the run was stopped",
+            Phase.FAILED: "the run failed",
+        }
+        gone = "the plant is not there any more: it was killed, or the connection to it was lost"
+        words = gone if self.ended is None else known[self.ended]
+        return f"{words}: {self._reason}" if self._reason else words
 
     def ask(self, name: str, wanted: Any) -> dict[str, Any]:
         """What the plant answers. Raises RunError where nobody does, UsageError for what it refuses."""

@@ -73,7 +73,7 @@ class Station:
                 self.run.judging.look(ended=self.rig is None)
             self.clients.tell("state", self.state())
         if self.rig is not None and self.rig.over():
-            await self._leave(f"the run has {self.rig.ended or 'gone: its plant is not there any more'}")
+            await self._leave(self.rig.farewell())
 
     async def start(self, wish: Wish) -> None:
         """Start a run of our own. Raises UsageError for a scenario that cannot be run."""
@@ -126,7 +126,7 @@ class Station:
             "live": rig is not None,
             "own": self.place.rig_name is None,
             "may": rig.operates if rig else True,
-            "note": self.note,
+            "note": self.note or (own and own.failed()) or "",
             "busy": self.busy,
             "status": run.status if run else {},
             "timing": run.timing() if run else {},
