@@ -42,14 +42,19 @@ SQRT2 = math.sqrt(2.0)
 LONG = (pytest.mark.endurance, pytest.mark.timeout(300))
 
 
+def fewer_motions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the steps that are asked for, with one noise."""
+    for steps_and_noises, fewer in (("FURTHER", ()), ("ASKED", ()), ("SEEDS", SEEDS[:1])):
+        monkeypatch.setattr(amplitude, steps_and_noises, fewer)
+
+
 @pytest.mark.parametrize(
     ("name", "work"), [*(pytest.param(name, WORK, marks=LONG) for name in ("delay", "slow-sampling")), ("step", 0.0)]
 )
 def test_advice_agrees_with_what_check_finds(name, work, tmp_path, monkeypatch):
     """What the own gain does needs no search: without any time for one its row is still that of a run of the twin."""
     monkeypatch.setattr(twin_range, "WORK", work)
-    for steps_and_noises, fewer in (("FURTHER", ()), ("ASKED", ()), ("SEEDS", SEEDS[:1])):
-        monkeypatch.setattr(amplitude, steps_and_noises, fewer)
+    fewer_motions(monkeypatch)
     scenario = load(name, ["duration=6"])
     advice, outcome = advise(scenario, (60e-3,)), check_scenario(scenario, Mode.INPROCESS, tmp_path)
     swings = [verdict for verdict in outcome.verdicts if "limit cycle" in verdict.text]
@@ -66,7 +71,7 @@ def test_advice_agrees_with_what_check_finds(name, work, tmp_path, monkeypatch):
 
 
 EDGES = [  # sampling period [ms], delay [ms], mass [kg], step [mm]
-    (50, 25, 303, -2),
+    pytest.param(50, 25, 303, -2, marks=LONG),
     (50, 200, 120, 20),
 ]
 
@@ -179,8 +184,9 @@ def test_a_summary_says_where_advice_on_its_law_is(kind, tmp_path, monkeypatch, 
     assert "hydrotwin advise" in capsys.readouterr().out
 
 
-def test_a_loop_that_no_gain_makes_swing_settles_and_has_no_gain_to_suggest():
+def test_a_loop_that_no_gain_makes_swing_settles_and_has_no_gain_to_suggest(monkeypatch):
     """The spool stays within the overlap of its lands, so the piston only sinks by its leak."""
+    fewer_motions(monkeypatch)
     found = advise(load("step", ["controller.compensate_overlap=false", "controller.limit=0.05"]), (20e-3,))
     assert isinstance(found, Advice)
     assert found.verdict == "stable"
