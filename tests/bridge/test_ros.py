@@ -5,10 +5,11 @@ import json
 import re
 import struct
 import subprocess
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import pytest
 import zenoh
@@ -104,9 +105,16 @@ def ros() -> Iterator[tuple[Rig, Peer, RosBridge]]:
         ):
             bridge = RosBridge(bus, session, 0, {"mode": "lockstep", "scenario": SCENARIO.model_dump(mode="json")})
             bridge.join()
+            over = threading.Event()
+            running = threading.Thread(target=bridge.run, args=(over.is_set,))
+            running.start()
             peer = Peer(nodes)
-            yield rig, peer, bridge
-            peer.session.close()
+            try:
+                yield rig, peer, bridge
+            finally:
+                over.set()
+                running.join()
+                peer.session.close()
     finally:
         rig.bus.close()
 
@@ -125,8 +133,8 @@ def test_nodes_find_topics_hear_every_message_and_the_time(ros: tuple[Rig, Peer,
     time.sleep(0.3)  # until its subscriptions are known
     rig.advance(SCENARIO.ticks + 1)
     wait_for(lambda: len(peer.heard["/rig/measurement"]) == rig.sent["measurement"], 20.0)
-    assert len(peer.heard["/rig/channels"]) == rig.sent["channels"]
-    assert len(peer.heard["/rig/joint"]) == rig.sent["joint"]
+    for topic in ("channels", "joint"):
+        wait_for(lambda topic=topic: len(peer.heard[f"/rig/{topic}"]) == rig.sent[topic], 10.0)
     clocks = [struct.unpack("<4xiI", sample.payload.to_bytes()) for sample in peer.heard["/clock"]]
     assert clocks == [(0, k * 10_000_000) for k in range(21)]
     attached = [sample.attachment.to_bytes() for sample in peer.heard["/rig/measurement"]]
@@ -160,9 +168,7 @@ def test_commands_and_orders_of_nodes_reach_the_plant(ros: tuple[Rig, Peer, RosB
     assert stamp_of(sample) == (4, 3)
     settings = f"0/rig/parameters/set/{bridge_type('std_msgs/msg/String').path}"
     peer.session.put(settings, string(json.dumps({"set": {"rig.load.force": "1 kN"}})))
-    stopped = iter([False, False, False])
     wait_for(lambda: bridge.taken["parameters/set"], 10.0)
-    bridge.run(cast(Any, lambda: next(stopped, True)))
     (answer,) = wait_for(lambda: peer.heard["/rig/parameters/answer"], 10.0)
     assert json.loads(text_of(answer.payload.to_bytes()))["set"] == {"rig.load.force": 1000.0}
     peer.session.put(f"0/rig/reset/{type_of('reset', LAYOUT).path}", b"\x00\x01\x00\x00\x00")

@@ -1,6 +1,7 @@
 """`hydrotwin ros RIG`: the topics of a rig on the keys of rmw_zenoh, and commands and orders back, until Ctrl-C.
 
-Messages pass in Zenoh's own threads, so that a controller among the nodes has the shortest way.
+What a controller needs passes in Zenoh's own threads, so that one among the nodes has the shortest way; everything else
+waits in rings, so that the plant never waits for this process.
 """
 
 import json
@@ -18,6 +19,7 @@ from bridge.connect.ros.naming import Kind, Node, Type, attached, identity, key,
 from bridge.connect.ros.types import CLOCK, STRING, bridge_type, clock, string, text_of, type_of
 from bridge.errors import RunError, UsageError
 from bridge.machine.process import Stop
+from bridge.recording.inbox import inbox
 from bridge.scenario import check
 from bridge.scenario.channels import layout_of
 from bridge.wire.bus import STAMP, Bus, stamp_of
@@ -30,8 +32,10 @@ NODE = "hydrotwin"  # and the rig's name
 COMMAND, RESET = "command", "reset"
 SETTING, ANSWER = "parameters/set", "parameters/answer"  # JSON as text, both ways
 HEARD = tuple(topic.name for topic in TOPICS.values() if topic.publisher != "anybody")
+DIRECT = ("measurement", CHANNELS_TOPIC, COMMAND)  # passed on at once
 CLOCK_PERIOD = 10_000_000  # [ns] of simulated time, from one /clock to the next at least
-PERIOD = 0.1  # [s] from look to look whether to stop, and what to answer
+PERIOD = 0.01  # [s] from look to look at what waits
+LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then its last word may wait for us
 
 
 class RosSide(NamedTuple):
@@ -91,6 +95,7 @@ class RosBridge:
         self._held: list[Any] = [session.liveliness().declare_token(self.node.token())]
         self._clock = self._outlet("clock", bridge_type(CLOCK), rooted=True)
         self._answers = self._outlet(ANSWER, bridge_type(STRING))
+        self._inbox = inbox(bus, [name for name in HEARD if name not in DIRECT])
         self._outlets = {name: self._outlet(name, type_of(name, self._layout)) for name in self._shown()}
 
     def _shown(self) -> list[str]:
@@ -98,8 +103,8 @@ class RosBridge:
 
     def join(self) -> None:
         """Pass messages on, both ways."""
-        for name, outlet in self._outlets.items():
-            self._hear(self._bus.session, f"{self._bus.rig_name}/{name}", self._passing(name, outlet))
+        for name in self._outlets.keys() & set(DIRECT):
+            self._hear(self._bus.session, f"{self._bus.rig_name}/{name}", self._passing(name, self._outlets[name]))
         self._subscription(COMMAND, type_of(COMMAND, self._layout), self._command)
         self._subscription(RESET, type_of(RESET, self._layout), lambda _: self._asking.reset())
         self._subscription(SETTING, bridge_type(STRING), self._order)
@@ -107,10 +112,13 @@ class RosBridge:
         handler = zenoh.handlers.Callback(self._commander, indirect=False)
         self._held.append(self._session.liveliness().declare_subscriber(watched, handler, history=True))
 
-    def run(self, stop: Stop) -> None:
-        """Answer orders until stopped."""
+    def run(self, stop: Callable[[], bool]) -> None:
+        """Pass on what waits, and answer orders, until stopped."""
         while not stop():
             time.sleep(PERIOD)
+            for entry in self._inbox.take():
+                self._outlets[entry.topic].put(entry.data, entry.log_time)
+                self.passed[entry.topic] += 1
             while self._orders:
                 self._answers.put(string(self._obeyed(self._orders.pop(0))), time.time_ns())
 
@@ -203,7 +211,7 @@ def bridge(link: Link, rig: str, side: RosSide) -> None:
     """Bridge a rig until Ctrl-C. Raises LinkError, UsageError, or RunError where no plant answers."""
     stop = Stop()
     nodes = Link(None if side.router else side.listen, side.router, None, link.patience)
-    with Bus(link, rig, "viewer", blocking=True) as bus:
+    with Bus(link, rig, "viewer", blocking=True, lease=LEASE) as bus:
         manifest = Asking(bus).run(link.patience)
         if manifest is None:
             raise RunError(f"no plant of rig {rig!r} answers: start one first, or name another rig")
