@@ -78,6 +78,7 @@ class Filter:
         self.unknowns = Unknowns(circuit.parts, self.names, n)
         self.z = np.zeros((n, len(self.names)))
         self._room = np.zeros((n + 1, BLOCK)), np.zeros(n), np.zeros((n, n)), np.zeros((n, n))
+        self._still = np.zeros((n, n))  # a change that leaves what is combined as it is
         self._draws = Draws(seed, len(self.names) + len(self._noise), n)
         self.members: Members | None = None
         self._corrections = 0
@@ -188,7 +189,7 @@ class Filter:
         self._admit, self._loads = entry(admit, *self._admitted), entry(load_forces, *self._loaded)
         room, weight, turn, change = self._room
         y, d = np.zeros((1, len(weight))), np.zeros(1)
-        self._combine = entry(combine, y, d, d, weight, turn, change, d)
+        self._combine = entry(combine, y, d, d, weight, turn, change, d, self.z)
         self._apply, self._exact = entry(apply, self.z, change, 1.0, room), entry(exact, change, change)
 
     def _transform(self, stretch: float) -> None:
@@ -199,9 +200,9 @@ class Filter:
         mean = y.mean(axis=1, keepdims=True)
         y = np.ascontiguousarray(mean + stretch * (y - mean))
         missed = np.zeros(len(d))
-        self._combine(y, d, r, weight, turn, change, missed)
+        self._apply(self.z, self._still, stretch, room)
+        self._combine(y, d, r, weight, turn, change, missed, self.z)
         self._apply(members.states, change, stretch, room)
-        self._apply(self.z, change, stretch, room)
         by_channel = missed.reshape(len(self._scans), -1)
         for j, watch in enumerate(self.watches.values()):
             watch.note(by_channel[:, j])

@@ -14,6 +14,7 @@ EITHER, UP, DOWN = 0, 1, -1
 
 WATCHED = {  # deviation at the start and drift per sqrt(s) of unknowns whose faults are looked for, all assumed
     "leakage": (0.5, 0.03),  # leaks grow by factors
+    "mass": (0.0, 0.0),  # certain: another load is found by its weight, as load_force
     **{f"offset_{name}": (0.5e5, 0.03e5) for name in PRESSURES},  # [Pa]: 1 bar in a minute is 0.13 bar per sqrt(min)
 }
 

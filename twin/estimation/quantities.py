@@ -28,7 +28,7 @@ UNKNOWNS = {
         "friction of the actuator",
         "",
         0.1,
-        0.01,
+        0.03,
         ("seal.alpha", "seal.limit", *(f"seal.{name}" for name in RUBS), *(f"seal.curve.{name}" for name in RUBS)),
     ),
     "bulk_modulus": Unknown("bulk modulus of the oil in the chambers", "", 0.1, 0.005, BARREL),
@@ -48,6 +48,7 @@ UNKNOWNS = {
         0.002,
         ("relief.pilot.preload", "relief.cracking_pressure"),
     ),
+    "mass": Unknown("mass of the load", "", 0.1, 0.002, ("load.mass",)),
     "load_force": Unknown("force on the load, beside its weight", "N", WEIGHT, 0.5 * WEIGHT, ("load.force",)),
     **{
         f"offset_{name}": Unknown(f"offset of the transducer of {name}", channel.unit, 0.0, 0.0)

@@ -16,12 +16,12 @@ class Settings(NamedTuple):
     unknowns: Mapping[str, Prior] = {}  # in place of those of `UNKNOWNS`
     inflation: float = 0.05  # growth of the deviations by themselves [1/s], for what so few members miss
     settling: float = 0.05  # after a beginning, until waves and flows that no scan tells have died [s]
-    pressure_error: float = 0.3e5  # of the model, in what a transducer would touch [Pa]: waves at its step
+    pressure_error: float = 0.2e5  # of the model, in what a transducer would touch [Pa]: waves at its step
     velocity_error: float = 0.5e-3  # [m/s]
     position_error: float = 20e-6  # [m]
-    position_noise: float = 0.1e-3  # of the model [m/sqrt(s)]
-    velocity_noise: float = 50e-3  # [m/s/sqrt(s)]: forces that it does not know
-    pressure_noise: float = 2e5  # of the chambers [Pa/sqrt(s)]: flows that it does not know
+    position_noise: float = 0.05e-3  # of the model [m/sqrt(s)]
+    velocity_noise: float = 20e-3  # [m/s/sqrt(s)]: forces that it does not know; kicks out of rest, so few as can be
+    pressure_noise: float = 0.5e5  # of the chambers [Pa/sqrt(s)]: flows that it does not know
     activity: float = 10.0  # how much more all of them are while the innovations are too large, at most
 
     def model_errors(self) -> dict[str, float]:

@@ -8,6 +8,16 @@ with a_y the anomalies of y: J. L. Anderson, Monthly Weather Review 129 (2001); 
 (2002); for readings whose errors are independent it is the transform of Bishop et al. (2001). All of it is a linear
 combination of the members, x_m + sum_k A_k D[k, m], so readings of several instants make one D (asynchronous: Sakov et
 al., Tellus 62A, 2010), and whatever the members hold, waves in their lines included, comes with it.
+
+Not so the unknowns of the rig. Between N members numbers that have nothing to do with one another are correlated by
+1/sqrt(N - 1) or so. What a state loses of its deviation to such chance its motion gives back, an unknown loses it for
+good: a thousand readings a second would make it certain of whatever it happens to be. So each unknown is updated beside
+the states, by its own regression on each reading, times the share of a correlation c that is not expected of chance,
+
+    1 - (1 - c^2)^2/((N - 2) c^2), 0 where that is negative,
+
+(1 - c^2)^2/(N - 2) being the variance of c. That is a sampling error correction (J. L. Anderson, Monthly Weather Review
+140, 2012) in closed form; a correlation of less than 0.2 between 24 members counts as none.
 """
 
 import math
@@ -18,12 +28,12 @@ BLOCK = 128  # numbers of a state at a time: they stay in the first cache
 
 
 @kernel
-def combine(y, d, r, weight, turn, out, missed) -> None:
+def combine(y, d, r, weight, turn, out, missed, z) -> None:
     """Fill `out`, D, of the predictions y of readings d, of variances r, a row for each; NaN: not read.
 
     y is changed to what the members predict afterwards. `missed` is filled with the innovation of each reading over its
-    deviation, those before it known: white and of variance 1 as long as the model is right. weight, turn: room for N
-    and N x N numbers.
+    deviation, those before it known: white and of variance 1 as long as the model is right. z: unknowns, a row for each
+    member, which are updated. weight, turn: room for N and N x N numbers.
     """
     n = y.shape[1]
     for k in range(n):
@@ -40,6 +50,7 @@ def combine(y, d, r, weight, turn, out, missed) -> None:
         gain = 1.0 / ((n - 1) * s)
         away = d[j] - mean
         missed[j] = away / math.sqrt(s)
+        _regress(z, y[j], mean, spread, gain * away, gain * alpha)
         for k in range(n):  # V a_y', with V = turn
             along = 0.0
             for m in range(n):
@@ -56,6 +67,23 @@ def combine(y, d, r, weight, turn, out, missed) -> None:
     for k in range(n):
         for m in range(n):
             out[k, m] = weight[k] + turn[k, m] - (1.0 if k == m else 0.0)
+
+
+@kernel
+def _regress(z, row, mean: float, spread: float, shift: float, shrink: float) -> None:
+    """Update unknowns by a reading that is predicted as `row`, as far as more than chance correlates them with it."""
+    n = len(row)
+    for i in range(z.shape[1]):
+        middle, squares = _moments(z[:, i])
+        along = 0.0
+        for m in range(n):
+            along += (z[m, i] - middle) * (row[m] - mean)
+        if along == 0.0:
+            continue
+        square = min(1.0, (along / (n - 1)) ** 2 / (squares * spread))
+        kept = max(0.0, 1.0 - (1.0 - square) ** 2 / ((n - 2) * square))
+        for m in range(n):
+            z[m, i] += kept * along * (shift - shrink * (row[m] - mean))
 
 
 @kernel
