@@ -19,6 +19,7 @@ from bridge.loop.checked_law import FAILURES, checked, explained, short, told
 from bridge.loop.hearing import aside
 from bridge.loop.parameters import filled
 from bridge.scenario.controllers import Controller, InC, Python
+from bridge.scenario.fmu_controller import Fmu
 from bridge.scenario.law_file import kept_of, law_file
 from controller.laws import LAWS, ControlLaw
 from controller.linear_system import system_law
@@ -33,6 +34,10 @@ def law_of(controller: Controller) -> ControlLaw:
         from bridge.loop.c_law import c_law
 
         return c_law(controller)
+    if isinstance(controller, Fmu):
+        from bridge.loop.fmu_law import fmu_law
+
+        return fmu_law(controller)
     return find_law(controller.law) if isinstance(controller, Python) else LAWS[controller.kind]
 
 

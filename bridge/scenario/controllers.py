@@ -1,99 +1,21 @@
 """The controllers a scenario can ask for, by `controller.kind`; each gives the numbers of its law in SI."""
 
 import math
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
 from bridge.errors import MisplacedError, nearest
-from bridge.scenario.fields import DerivativeGain, Fraction, IntegralGain, Part, ProportionalGain, Seconds, by_kind
+from bridge.scenario.controller_base import Base, Scale, WithOverlap, WithVelocity
+from bridge.scenario.controller_base import parameter_in_si as parameter_in_si
+from bridge.scenario.fields import DerivativeGain, Fraction, IntegralGain, ProportionalGain, Seconds, by_kind
+from bridge.scenario.fmu_controller import Fmu
 from bridge.scenario.law_file import c_file, with_kind
-from bridge.scenario.law_parameters import is_gain, only_numbers, parameters_of
+from bridge.scenario.law_parameters import only_numbers, parameters_of
 from bridge.scenario.state_space import FROM, READS, SAME, Matrix, Origin, Signal, refuse_matrices
-from bridge.scenario.units import si, split
 from controller import law as laws
 from controller.pid import BACK_CALCULATION, PidGains
 from controller.state_space import StateSpaceGains
-
-Velocity = Literal["measured", "backward", "filtered"]
-
-
-class Scale(NamedTuple):
-    """What turns a scenario's gains into those of a law."""
-
-    stroke: float  # [m]
-    full_scale: float  # [V], of the valve's input
-    overlap: float  # of the valve's lands, share of the travel
-    sample_period: float  # [s]
-
-    def per_metre(self, text: str) -> float:
-        """A gain in volts per % of the stroke, or in SI already: 1/m; of a derivative s/m, of an integral 1/(m s)."""
-        number, unit = split(text)
-        return laws.per_metre(number, self.stroke, self.full_scale) if unit.startswith("V") else number
-
-
-class Base(Part):
-    """What all controllers have in common."""
-
-    NO_TACHOMETER: ClassVar[str] = (
-        "controller.velocity 'measured' needs a tachometer: set daq.tachometer = true, "
-        "or controller.velocity = 'backward' or 'filtered'"
-    )
-
-    kind: Any
-    limit: Fraction = Field(default=1.0, gt=0.0, le=1.0, description="saturation of the spool reference")
-
-    @property
-    def sees_truth(self) -> bool:
-        """Is the law given the true state?"""
-        return False
-
-    @property
-    def reads_channels(self) -> bool:
-        """Is the law given the further channels of the card?"""
-        return False
-
-    @property
-    def follows(self) -> bool:
-        """Does the reference say where the piston should be?"""
-        return True
-
-    @property
-    def needs_tachometer(self) -> bool:
-        """Is the velocity read from the card?"""
-        return False
-
-    @property
-    def jumped_share(self) -> float:
-        """Of the dead band of the valve's lands, how much is jumped over; 0..1."""
-        return 0.0
-
-    def refuse_period(self, period: float) -> None:
-        """Raises ValueError for a sample period [s] that the controller cannot have."""
-
-
-class WithOverlap(Base):
-    """A controller that can jump over the dead band of the valve's lands."""
-
-    compensate_overlap: bool = Field(default=False, description="jump over the dead band of the valve's lands")
-    overlap_share: Fraction = Field(
-        default=1.0, gt=0.0, le=1.0, description="of the overlap that is jumped; below 1 a dead band is left"
-    )
-
-    @property
-    def jumped_share(self) -> float:
-        return self.overlap_share if self.compensate_overlap else 0.0
-
-
-class WithVelocity(Base):
-    """A controller that knows the piston's velocity."""
-
-    velocity: Velocity = Field(default="measured", description="how the velocity is got")
-    filter_time: Seconds = Field(default=20e-3, ge=0.0, description="lag of the filtered difference")
-
-    @property
-    def needs_tachometer(self) -> bool:
-        return self.velocity == "measured"
 
 
 class WithGains(WithVelocity, WithOverlap):
@@ -288,15 +210,6 @@ class Python(PdGains):
         return False
 
 
-def parameter_in_si(value: Any, scale: Scale) -> Any:
-    """A parameter in SI."""
-    if isinstance(value, list):
-        return [parameter_in_si(entry, scale) for entry in value]
-    if isinstance(value, str):
-        return scale.per_metre(value) if is_gain(value) else si(value)
-    return value
-
-
 class InC(WithOverlap):
     """A function in C, whose header `hydrotwin messages --c` prints: a shared library, or a file that is compiled."""
 
@@ -325,7 +238,7 @@ class InC(WithOverlap):
         return laws.CGains(scale.sample_period, self.limit, self.jumped_share * scale.overlap, parameters)
 
 
-AnyController = Pd | Pid | Relay | OpenLoop | StateSpace | Python | InC
+AnyController = Pd | Pid | Relay | OpenLoop | StateSpace | Python | InC | Fmu
 KINDS = by_kind(AnyController)
 ONLY_SIGN = "a relay knows only the sign: give controller.derivative_time, the derivative over the gain [s]"
 INSTEAD = {("relay", "gain"): ONLY_SIGN, ("relay", "derivative"): ONLY_SIGN}

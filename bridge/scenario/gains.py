@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from bridge.errors import ScenarioError
 from bridge.scenario.controllers import PdGains, Scale
 from bridge.scenario.fitted_valve import overlap_of
+from bridge.scenario.fmu_controller import FmuGains
 from controller.law import CGains, Gains, OpenLoopGains, RelayGains, UserGains
 from controller.pid import PidGains
 from controller.state_space import StateSpaceGains
@@ -19,7 +20,7 @@ def scale_of(scenario: "Scenario") -> Scale:
     return Scale(rig.cylinder.stroke, rig.valve.full_scale, overlap_of(scenario), scenario.loop.sample_period)
 
 
-AnyGains = Gains | UserGains | PidGains | RelayGains | OpenLoopGains | StateSpaceGains | CGains
+AnyGains = Gains | UserGains | PidGains | RelayGains | OpenLoopGains | StateSpaceGains | CGains | FmuGains
 
 
 def law_gains(scenario: "Scenario") -> AnyGains:

@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
-C_FILES = ("library", "source")  # of a controller in C
+C_FILES = ("library", "source", "fmu")  # of a controller in C, or one that is an FMU
 
 
 def law_file(name: str, folder: Path) -> Path | None:
@@ -27,6 +27,9 @@ def law_facts(controller: Any) -> dict[str, Any]:
     if controller.kind == "c":
         file = Path(controller.library or controller.source)
         return kept_of(file.name, file.read_bytes(), bool(controller.source)) if file.is_file() else {}
+    if controller.kind == "fmu":
+        file = Path(controller.fmu)
+        return kept_of(file.name, file.read_bytes(), is_text=False) if file.is_file() else {}
     name = getattr(controller, "law", None)
     file = law_file(name, Path.cwd()) if name else None
     if name is None or file is None:

@@ -14,7 +14,12 @@ from bridge.scenario.controllers import KINDS, Python
 from bridge.scenario.gains import law_gains
 from controller.law import Gains, OpenLoopGains, RelayGains, per_metre
 
-OWN = {"python": {"law": "mine:law"}, "state-space": {"D": [[5.0]], "dt": 0.01}, "c": {"source": "law.c"}}
+OWN = {
+    "python": {"law": "mine:law"},
+    "state-space": {"D": [[5.0]], "dt": 0.01},
+    "c": {"source": "law.c"},
+    "fmu": {"fmu": "law.fmu"},
+}
 GOLDEN = Path(__file__).parents[2] / "recordings" / "step.mcap"
 
 

@@ -12,13 +12,13 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from bridge.connect.fmu.build import OURS
-from bridge.connect.fmu.unit_dimensions import dimensions
 from bridge.connect.fmu.ziggurat import tables
 from bridge.loop.law import law_of
 from bridge.recording.reader import Recording
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import Scenario, load
 from bridge.scenario.gains import law_gains
+from bridge.scenario.unit_dimensions import dimensions
 from bridge.scenario.units import UNITS
 from controller.law import Sample
 from controller.laws import LAWS

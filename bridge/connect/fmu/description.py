@@ -6,9 +6,9 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from bridge.connect.fmu.made import Made
-from bridge.connect.fmu.unit_dimensions import OFFSETS, dimensions
 from bridge.connect.fmu.variable import Role, Type, Variable
 from bridge.scenario import Scenario
+from bridge.scenario.unit_dimensions import OFFSETS, dimensions
 from controller.grid import NS
 
 ELEMENTS = {  # of a type, by version of FMI

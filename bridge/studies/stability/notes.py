@@ -18,6 +18,8 @@ def notes_on(scenario: Scenario, free: FreeGain) -> list[str]:
         notes.append(f"controller.law {own.law!r} {itself}")
     elif own.kind == "c":
         notes.append(f"the law in {own.source or own.library!r} {itself}")
+    elif own.kind == "fmu":
+        notes.append(f"the FMU {own.fmu!r} {itself}")
     elif own.kind == "state-space":
         how = f", which ran itself, since it reads {', '.join(own.inputs)}" if is_asked(scenario) else ""
         notes.append(f"free is a factor on C and D of the law{how}")

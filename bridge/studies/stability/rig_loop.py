@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from bridge.scenario import Scenario, ScenarioError
-from bridge.scenario.controllers import InC, StateSpace, WithVelocity
+from bridge.scenario.controllers import Fmu, InC, StateSpace, WithVelocity
 from bridge.scenario.fitted_valve import delay_of
 from bridge.studies.stability.rig_plant import RigPlant
 from controller.stability import (
@@ -54,7 +54,7 @@ class Edge(NamedTuple):
 def timing_of(scenario: Scenario) -> RigTiming:
     """The times of a controller, the delay with that of a servo valve. Raises ScenarioError for one without a loop."""
     own, period, delay = scenario.controller, scenario.loop.sample_period, scenario.loop.delay + delay_of(scenario)
-    if isinstance(own, StateSpace | InC):
+    if isinstance(own, StateSpace | InC | Fmu):
         return RigTiming(period, delay, "none", 0.0)
     if not isinstance(own, WithVelocity):
         raise ScenarioError(f"controller.kind {own.kind!r} closes no loop; set controller.kind = 'pd'")

@@ -118,7 +118,7 @@ def of_matrices(scenario: Scenario) -> LinearLaw | None:
 def is_asked(scenario: Scenario) -> bool:
     """Does the law itself run, asked at each sample, which takes longer?"""
     kind = scenario.controller.kind
-    return kind in ("python", "c") or (kind == "state-space" and of_matrices(scenario) is None)
+    return kind in ("python", "c", "fmu") or (kind == "state-space" and of_matrices(scenario) is None)
 
 
 def scaled(law: Law, factor: float) -> Law:
