@@ -240,7 +240,7 @@ def _shares(rows: list[Row]) -> tuple[str, ...]:
         share([row.doubled_inside for row in doubled]),
         share([row.least_inside for row in lower]),
         share([row.width <= 2.0 + ROUNDING for row in of]),
-        ", ".join(f"{w:.2f}" for w in np.percentile(width, (10, 50, 80, 90, 100))),
+        ", ".join(f"{w:.2f}" for w in np.percentile(width, (10, 50, 80, 90, 100), method="higher")),
         share([row.often for row in periodic]),
         f"{len(rows) - len(of)}",
     )
