@@ -33,7 +33,7 @@ def take(asked: Priority, is_paced: bool) -> str:
     if asked == Priority.ORDINARY or (asked == Priority.AUTO and not (is_paced and _processors() > 1)):
         return ORDINARY
     try:
-        _schedule(os.SCHED_FIFO, FIFO_PRIORITY)
+        _schedule(os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, FIFO_PRIORITY)
     except (OSError, AttributeError) as error:
         if asked == Priority.FIFO:
             _tell(f"SCHED_FIFO refused ({error}): running at ordinary priority; run as root or raise `ulimit -r`")
@@ -60,7 +60,10 @@ def _processors() -> int:
 
 
 def _schedule(policy: int, priority: int) -> None:
-    """All threads of this process: those of the middleware are there already. Later ones inherit."""
+    """All threads of this process: those of the middleware are there already.
+
+    What they start is ordinary: a compiler that a law calls must neither hold up the machine nor be ended for that.
+    """
     for thread in Path("/proc/self/task").iterdir():
         os.sched_setscheduler(int(thread.name), policy, os.sched_param(priority))
 
@@ -74,7 +77,7 @@ def _give_back_when_greedy() -> None:
 
 
 def _give_back(*_: object) -> None:
-    _schedule(os.SCHED_OTHER, 0)
+    _schedule(os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, 0)
     words = f"computed for {GREEDY / 1e6:g} s without a pause: SCHED_FIFO is given back, ordinary priority from here on"
     os.write(2, f"{NOTE}{words}\n".encode())
 

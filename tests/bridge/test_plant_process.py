@@ -5,6 +5,7 @@ import os
 import pytest
 
 from bridge.errors import RunError
+from bridge.machine.priority import Priority
 from bridge.processes.plant import PlantOptions, run_plant
 from bridge.scenario import load
 from bridge.wire.bus import Bus
@@ -25,7 +26,7 @@ def test_of_two_plants_that_start_at_one_instant_one_stays(pid: int, stays: bool
     with Bus(Link(endpoint, None, None, 10.0), "rig", "witness", blocking=False) as other:
         other._declared.append(other.session.liveliness().declare_token(f"rig/alive/plant/{pid}"))
         link, scenario = Link(None, endpoint, None, 10.0), load("step", ["duration=0.3"])
-        options = PlantOptions(Mode.REALTIME, 1.0, False, 1, (), 10.0, quiet=True)
+        options = PlantOptions(Mode.REALTIME, 1.0, Priority.ORDINARY, 1, (), 10.0, quiet=True)
         if stays:
             assert run_plant(scenario, link, options).status.tick == 300
         else:
