@@ -15,6 +15,7 @@ LARGEST = 1_000_000_000  # bytes unpacked
 REALS = ("Real", "Float64", "Float32")
 KINDS = {"2.0": {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean"}}  # of a variable: its accessor
 MISSING = "controller.kind = 'fmu' needs FMPy: pip install 'hydrotwin[fmu]'"
+MISCOUNTING = "PythonFMU"  # frees Python objects once too often when it is freed, which ends this program later
 SHOWN = 300  # characters of what an FMU says
 
 
@@ -72,7 +73,7 @@ class FmuFile:
 
 
 class FmuInstance:
-    """One instance, freed when nobody refers to it any more."""
+    """One instance, freed when nobody refers to it any more; of a tool that cannot do that it stays."""
 
     def __init__(self, file: FmuFile) -> None:
         """Raises ScenarioError where it cannot be made on this machine."""
@@ -85,7 +86,8 @@ class FmuInstance:
         except Exception as error:  # of FMPy and of the loader: any
             said = f" ({self._said[-1]})" if self._said else ""
             raise file.refused(f"cannot be loaded on this machine: {_line(error)}{said}") from None
-        finalize(self, _free, self.slave).atexit = False
+        if MISCOUNTING not in (file.model.generationTool or ""):
+            finalize(self, _free, self.slave).atexit = False
 
     def begin(self, stamp: int, parameters: dict[str, float]) -> None:
         """Initialise it at an instant [ns]."""

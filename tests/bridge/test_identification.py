@@ -25,7 +25,7 @@ from bridge.studies.identification.whiteness import ljung_box
 from bridge.studies.sweep.engine import HERE
 from tests.tools import identification as trial
 
-SHORT = 3.0  # [s] of data
+SHORT = 5.0  # [s] of data
 
 
 @pytest.fixture(scope="module")

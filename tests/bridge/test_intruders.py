@@ -146,6 +146,7 @@ def lateness(recording: Recording) -> float:
     return float(np.percentile(timing["lateness"][timing["stamp"] > SETTLING * 1e9], 99)) * 1e-9
 
 
+@pytest.mark.timed
 def test_every_attempt_is_refused_and_counted(home):
     assert_refused(trial(home, 3.0, COARSE), 150)
 

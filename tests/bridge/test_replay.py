@@ -96,7 +96,10 @@ def test_at_top_speed_every_message_comes_and_equal_stamps_keep_their_order(reco
 def test_a_query_pauses_steps_seeks_changes_speed_and_resumes(recording):
     endpoint = free_endpoint()
     words = ("--paused", "--topics", "measurement", "--listen", endpoint)
-    with started("replay", str(recording.path), *words) as process, listener(endpoint) as (bus, came):
+    with (
+        started("replay", str(recording.path), *words) as process,
+        listener(endpoint, topics=("measurement",)) as (bus, came),
+    ):
         first = wait_for(lambda: _status(bus), 20)
         assert (first["paused"], first["time"], first["sent"]) == (True, 0.0, 0)
         assert ask(bus, "seek", "1.2 s")["time"] == 1.2

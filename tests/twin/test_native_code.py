@@ -79,7 +79,7 @@ def test_what_is_kept_is_taken_without_the_compiler(folder: Path, monkeypatch: p
 @pytest.mark.parametrize("how", DAMAGE)
 def test_damaged_code_is_made_anew_with_the_same_numbers(folder: Path, how: str):
     first = called()
-    (file,) = (folder / "native").iterdir()
+    (file,) = (path for path in (folder / "native").iterdir() if ".module." not in path.name)
     damaged = DAMAGE[how](file.read_bytes())
     file.write_bytes(damaged)
     assert called() == first
