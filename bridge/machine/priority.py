@@ -4,6 +4,7 @@ import ctypes
 import os
 import signal
 import sys
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 
@@ -65,7 +66,8 @@ def _schedule(policy: int, priority: int) -> None:
     What they start is ordinary: a compiler that a law calls must neither hold up the machine nor be ended for that.
     """
     for thread in Path("/proc/self/task").iterdir():
-        os.sched_setscheduler(int(thread.name), policy, os.sched_param(priority))
+        with suppress(ProcessLookupError):  # one that has ended meanwhile
+            os.sched_setscheduler(int(thread.name), policy, os.sched_param(priority))
 
 
 def _give_back_when_greedy() -> None:
@@ -73,7 +75,9 @@ def _give_back_when_greedy() -> None:
     import resource
 
     signal.signal(signal.SIGXCPU, _give_back)
-    resource.setrlimit(resource.RLIMIT_RTTIME, (GREEDY, resource.getrlimit(resource.RLIMIT_RTTIME)[1]))
+    hard = resource.getrlimit(resource.RLIMIT_RTTIME)[1]
+    soft = GREEDY if hard == resource.RLIM_INFINITY else min(GREEDY, hard // 2)  # at the hard one it kills
+    resource.setrlimit(resource.RLIMIT_RTTIME, (soft, hard))
 
 
 def _give_back(*_: object) -> None:

@@ -69,6 +69,17 @@ def test_a_program_that_it_starts_may_compute_as_long_as_it_likes():
 
 
 @needs_fifo
+def test_it_is_given_back_before_a_limit_of_the_system_kills():
+    found = in_a_process(
+        "import resource; resource.setrlimit(resource.RLIMIT_RTTIME, (300_000, 300_000))\n"
+        "take(Priority.FIFO, True); end = time.process_time() + 0.5\n"
+        "while time.process_time() < end: pass\n"
+        "print(now(0) == os.SCHED_OTHER)"
+    )
+    assert "True" in found
+
+
+@needs_fifo
 def test_who_pauses_keeps_it():
     found = in_a_process(
         "priority.GREEDY = 200_000; take(Priority.FIFO, True); end = time.process_time() + 0.6\n"

@@ -1,5 +1,7 @@
 """The types of ROS 2 that a rig's topics have, with their hashes, and those of the bridge's own topics."""
 
+from typing import Any
+
 from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
 
@@ -52,7 +54,7 @@ def text_of(payload: bytes) -> str:
     from rosbags.serde import SerdeError
 
     try:
-        message = STORE.deserialize_cdr(payload, STRING)
+        message: Any = STORE.deserialize_cdr(payload, STRING)
     except (SerdeError, UnicodeDecodeError) as error:
         raise ValueError(f"not a {STRING}: {error}") from None
-    return str(getattr(message, "data"))  # noqa: B009
+    return str(message.data)
