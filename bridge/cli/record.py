@@ -13,11 +13,13 @@ from bridge.cli.options import (
     CONNECT,
     MODE,
     PATIENCE,
+    PRIORITY,
     ProcessMode,
     nanoseconds,
 )
 from bridge.cli.outputs import print_json
 from bridge.errors import UsageError
+from bridge.machine.priority import Priority
 from bridge.wire.link import DEFAULT_ENDPOINT
 
 if TYPE_CHECKING:
@@ -52,6 +54,7 @@ def record(
     connect: CONNECT = DEFAULT_ENDPOINT,
     zenoh_config: CONFIG = None,
     patience: PATIENCE = 10.0,
+    priority: PRIORITY = Priority.AUTO,
     as_json: AS_JSON = False,
 ) -> None:
     """Record everything on a rig's keys to an MCAP file until the plant ends.
@@ -67,7 +70,7 @@ def record(
     default = Path("runs") / f"{rig}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"
     link = Link(None, connect, zenoh_config, patience)
     with nullcontext(output) if output else own_name(default) as path:
-        written = run_recorder(path, rig, link, mode == ProcessMode.LOCKSTEP, request)
+        written = run_recorder(path, rig, link, mode == ProcessMode.LOCKSTEP, request, priority)
     if as_json:
         print_json({"recording": str(written[-1]) if written else None, "parts": [str(part) for part in written]})
     else:

@@ -12,6 +12,7 @@ from bridge.machine.process import NOTE
 
 MCL_CURRENT_AND_FUTURE = 3
 FIFO_PRIORITY = 30
+RECORDING = 20  # of a recorder: behind the loop, before all else, since what it has no time for is lost
 GREEDY = 1_000_000  # [us] of processor without a pause after which SCHED_FIFO is given back: others must live
 YIELDING = 5  # niceness of who only listens, where the loop itself has ordinary priority
 ORDINARY = "ordinary"
@@ -31,15 +32,8 @@ def take(asked: Priority, is_paced: bool) -> str:
     Call it when everything is compiled: a compiler at real-time priority would hold up the machine. is_paced: does the
     process follow a clock? Without one there is nothing to be late for.
     """
-    if asked == Priority.ORDINARY or (asked == Priority.AUTO and not (is_paced and _processors() > 1)):
+    if not _take_fifo(asked, is_paced, FIFO_PRIORITY):
         return ORDINARY
-    try:
-        _schedule(os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, FIFO_PRIORITY)
-    except (OSError, AttributeError) as error:
-        if asked == Priority.FIFO:
-            _tell(f"SCHED_FIFO refused ({error}): running at ordinary priority; run as root or raise `ulimit -r`")
-        return ORDINARY
-    _give_back_when_greedy()
     if ctypes.CDLL(None).mlockall(MCL_CURRENT_AND_FUTURE) == 0:
         return f"SCHED_FIFO {FIFO_PRIORITY}, memory locked"
     if asked == Priority.FIFO:
@@ -47,13 +41,33 @@ def take(asked: Priority, is_paced: bool) -> str:
     return f"SCHED_FIFO {FIFO_PRIORITY}"
 
 
+def take_behind(asked: Priority, is_paced: bool) -> None:
+    """Of a recorder: before all but the loop, where the loop takes SCHED_FIFO; else nicer than the loop."""
+    if not _take_fifo(asked, is_paced, RECORDING):
+        stand_back()
+
+
 def stand_back() -> None:
-    """Of a recorder or follower: leave the processor to the loop where the loop cannot take it by SCHED_FIFO."""
+    """Of a recorder, follower or panel: leave the processor to the loop where the loop cannot take it by SCHED_FIFO."""
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     except (OSError, AttributeError):
         os.nice(YIELDING)
+
+
+def _take_fifo(asked: Priority, is_paced: bool, level: int) -> bool:
+    """Take it where it is wanted and granted."""
+    if asked == Priority.ORDINARY or (asked == Priority.AUTO and not (is_paced and _processors() > 1)):
+        return False
+    try:
+        _schedule(os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, level)
+    except (OSError, AttributeError) as error:
+        if asked == Priority.FIFO:
+            _tell(f"SCHED_FIFO refused ({error}): running at ordinary priority; run as root or raise `ulimit -r`")
+        return False
+    _give_back_when_greedy()
+    return True
 
 
 def _processors() -> int:

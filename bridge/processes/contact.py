@@ -23,10 +23,12 @@ def is_farewell(status: Any) -> bool:
 class Contact:
     """Follows the plants on a bus."""
 
-    def __init__(self, bus: Bus, now: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, bus: Bus, is_expected: bool = False, now: Callable[[], float] = time.monotonic) -> None:
+        """is_expected: has a plant answered, so that one that is never seen has gone? Else it is waited for."""
         self._bus = bus
         self._now = now
         self._patience = RECONNECTING if list(bus.session.info.routers_zid()) else DIRECT
+        self._is_expected = is_expected
         self._gone_since: float | None = None
         self._last: set[str] = set()
         self._farewell = False  # of a replay: behind all that it has sent
@@ -39,13 +41,19 @@ class Contact:
         That a replay is away is known before its last messages are here: Zenoh lets such news overtake them.
         """
         here = self._bus.present.get("plant")
-        if here is None or here:
+        if here or (here is None and not self._is_expected):
             self._farewell = self._farewell and self._gone_since is None  # another replay takes its own leave
             self._last, self._gone_since = set(here or ()), None
             return False
         if self._gone_since is None:
             self._gone_since = self._now()
-        return (self._last == {REPLAY} and self._farewell) or self._now() - self._gone_since > self._patience
+        patience = RECONNECTING if here is None else self._patience  # it may be about to declare its token
+        return (self._last == {REPLAY} and self._farewell) or self._now() - self._gone_since > patience
+
+    def hear(self) -> None:
+        """Something has come from a plant: one that is never seen, since it declares no token, is there."""
+        if self._bus.present.get("plant") is None:
+            self._gone_since = None
 
     def words(self, when: str) -> str | None:
         """What a loss means, in one line; None where the plant was a replay, which may leave at any time."""

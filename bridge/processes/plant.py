@@ -92,6 +92,7 @@ class PlantProcess:
         self._settled = 0.0
         self._strangers = Strangers(digest_of(scenario), bus.turned)
         ready("status")
+        self.stop.listen()  # from here on somebody may know of this plant, and waits for its last word
         bus.subscribe("status", lambda sample: self._strangers.hear(sample.payload.to_bytes()))
         bus.answer("scenario", self._manifest)
         bus.serve("parameters", lambda payload: listed(self.side, payload))
@@ -345,7 +346,6 @@ def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantRep
             raise _second(scenario.rig_name, others)
         process = PlantProcess(bus, scenario, options)
         try:
-            process.stop.listen()
             ending = process.run()
         except RunError as failure:
             process.close(Ending.FAILED, str(failure), partners=("recorder",))

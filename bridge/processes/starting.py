@@ -59,7 +59,7 @@ class Starter:
         """A recorder that is started again writes a file of its own."""
         path = self._options.recording
         own = path.with_stem(f"{path.stem}-{again + 1}") if again else path
-        return ["--output", str(own), "--rig", self._scenario.rig_name, *self._client]
+        return ["--output", str(own), "--rig", self._scenario.rig_name, *self._client, *self._priority]
 
     def _controller(self, again: int) -> list[str]:
         """One that is started again is another source, as any process is."""

@@ -118,8 +118,21 @@ def test_one_processor_is_left_to_others(monkeypatch: pytest.MonkeyPatch):
     assert take(Priority.AUTO, is_paced=True) == ORDINARY
 
 
+@needs_fifo
+@needs_two
+def test_a_recorder_comes_behind_the_loop_and_before_all_else():
+    found = in_a_process(
+        "take_behind(Priority.AUTO, False); print(now(0) == os.SCHED_OTHER)\n"
+        "take_behind(Priority.AUTO, True); print(now(0) == os.SCHED_FIFO, os.sched_getparam(0).sched_priority)"
+    )
+    assert found.split() == ["True", "True", str(priority.RECORDING)]
+    assert priority.RECORDING < priority.FIFO_PRIORITY
+
+
 @pytest.mark.parametrize("is_granted", [True, False])
-def test_a_recorder_is_nicer_only_where_the_loop_has_no_right_of_way(is_granted: bool, monkeypatch: pytest.MonkeyPatch):
+def test_who_only_listens_is_nicer_only_where_the_loop_has_no_right_of_way(
+    is_granted: bool, monkeypatch: pytest.MonkeyPatch
+):
     asked: list[int] = []
 
     def schedule(*_: object) -> None:

@@ -190,7 +190,7 @@ def test_a_replay_that_is_away_is_over_once_its_last_word_has_come_or_will_not_c
     """That it is away is known early: its messages are still on their way."""
     session = SimpleNamespace(info=SimpleNamespace(routers_zid=list))
     bus, now = SimpleNamespace(session=session, present={"plant": {"replay"}}), [0.0]
-    contact = Contact(cast("Bus", bus), lambda: now[0])
+    contact = Contact(cast("Bus", bus), now=lambda: now[0])
     for _ in range(2):  # a second replay takes its own leave
         bus.present = {"plant": {"replay"}}
         assert not contact.lost()

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bridge.errors import RunError
-from bridge.machine.priority import stand_back
+from bridge.machine.priority import Priority, take_behind
 from bridge.machine.process import NOTE, Stop
 from bridge.processes.contact import Contact, is_farewell
 from bridge.processes.recorder.run_file import Arrival, Request, RunFile
@@ -60,7 +60,7 @@ class RecorderProcess:
                 bus.subscribe(topic, lambda sample, topic=topic: self._keep(topic, sample))
         bus.answer(SAVING, self._save)
         bus.watch()
-        self._contact = Contact(bus)
+        self._contact = Contact(bus, is_expected=True)
 
     def run(self) -> list[Path]:
         """Record until the plant has ended or is gone. Raises RunError when no plant answers or the disk refuses."""
@@ -88,6 +88,8 @@ class RecorderProcess:
             self._saves -= 1
             file.trigger(file.stamp)
         for arrival in self._arrived():
+            if TOPICS[arrival.topic].publisher == "plant":
+                self._contact.hear()
             if self._is_farewell(arrival):
                 continue
             if self._may_begin_another(file) and file.is_of_another_run(arrival):
@@ -201,9 +203,17 @@ class RecorderProcess:
         return settled or time.monotonic() - file.ended_at > (FOLLOWING if behind else PATIENCE)
 
 
-def run_recorder(path: Path, rig_name: str, link: Link, blocking: bool, request: Request | None = None) -> list[Path]:
+def run_recorder(
+    path: Path,
+    rig_name: str,
+    link: Link,
+    blocking: bool,
+    request: Request | None = None,
+    priority: Priority = Priority.ORDINARY,
+) -> list[Path]:
     """Record a rig until its plant ends; returns the last run's files. Raises RunError or LinkError with one line."""
     stop = Stop()
-    stand_back()
     with Bus(link, rig_name, "recorder", blocking=blocking) as bus:
-        return RecorderProcess(bus, path, link.patience, stop, request, stop.listen).run()
+        process = RecorderProcess(bus, path, link.patience, stop, request, stop.listen)
+        take_behind(priority, is_paced=not blocking)
+        return process.run()
