@@ -94,8 +94,14 @@ def _give_back_when_greedy() -> None:
     resource.setrlimit(resource.RLIMIT_RTTIME, (soft, hard))
 
 
+def leave() -> None:
+    """Back to ordinary priority, for what has time: the summary of a long run."""
+    if hasattr(os, "sched_getscheduler") and os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_FIFO:
+        _schedule(os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, 0)
+
+
 def _give_back(*_: object) -> None:
-    _schedule(os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, 0)
+    leave()
     words = f"computed for {GREEDY / 1e6:g} s without a pause: SCHED_FIFO is given back, ordinary priority from here on"
     os.write(2, f"{NOTE}{words}\n".encode())
 

@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from bridge.errors import UsageError
-from bridge.recording.reader import Entry, recording
+from bridge.recording.entries import Entry
+from bridge.recording.reader import recording
 from bridge.recording.summarise import summarise
 from bridge.runs.check import judge_run
 from bridge.scenario import Scenario

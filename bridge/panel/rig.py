@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from bridge.errors import RunError, UsageError
+from bridge.recording.entries import Entry
 from bridge.recording.inbox import WATCHED, inbox, run_of
 from bridge.recording.manifest import told_by
-from bridge.recording.reader import Entry, recording
+from bridge.recording.reader import recording
 from bridge.scenario import Scenario
 from bridge.wire.access import ORDERS, Role, rights
 from bridge.wire.bus import Bus

@@ -10,9 +10,9 @@ from bridge.panel.plots import DIGITS, key_of, plots_of
 from bridge.panel.rig import Rig, told
 from bridge.panel.series import Points, Rows, Series, dtype_of, thinned
 from bridge.panel.words import estimate_words, event_words, health_words, units_logged
+from bridge.recording.entries import Entry
 from bridge.recording.inbox import run_of
 from bridge.recording.own_signals import own_columns
-from bridge.recording.reader import Entry
 from bridge.scenario import Scenario
 from bridge.scenario.channels import layout_of
 from bridge.view.curves import Curve

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.recording.reader import Entry
+from bridge.recording.entries import Entry
 from bridge.wire.channels import Layout, format_of
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, field_names, struct_format
 from controller.grid import NS

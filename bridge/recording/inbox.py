@@ -10,7 +10,7 @@ from typing import Any
 
 import zenoh
 
-from bridge.recording.reader import Entry
+from bridge.recording.entries import Entry
 from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.codec import decode
 from bridge.wire.messages import CHANNELS_TOPIC, ESTIMATE, HEALTH, TOPICS, flat_size

@@ -2,7 +2,7 @@
 
 import logging
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from bridge.errors import UsageError
 from bridge.recording.channels import ChannelFacts, Channels
 from bridge.recording.damage import Damage, damage
+from bridge.recording.entries import Entries, Entry
 from bridge.recording.facts import facts_of
 from bridge.recording.layout import MESSAGE, READ, RECORD, parsed
 from bridge.recording.own_signals import TOPIC as OWN_SIGNALS
@@ -25,23 +26,16 @@ from bridge.wire.codec import STORE, decode
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, field_names, flat_size, struct_format
 from controller.grid import NS
 
+HEAD = ("", "V4")  # of a message in CDR: how it is encoded
+
 log = logging.getLogger("hydrotwin")
-
-
-class Entry(NamedTuple):
-    """One recorded message."""
-
-    topic: str  # below the rig's name
-    log_time: int
-    sequence: int
-    data: bytes
 
 
 class Recording(NamedTuple):
     """What a file holds, in file order."""
 
     path: Path
-    entries: list[Entry]
+    entries: Entries
     metadata: dict[str, dict[str, Any]]
     complete: bool  # False: messages are missing that had been recorded
     counts: dict[str, int]  # messages per topic, those not read included
@@ -50,14 +44,14 @@ class Recording(NamedTuple):
 
     def of(self, topic: str) -> Iterator[Entry]:
         """The messages of one topic."""
-        return (entry for entry in self.entries if entry.topic == topic)
+        return self.entries.of(topic)
 
     def messages(self, topic: str) -> list[Any]:
         """The decoded messages of one topic."""
         if topic == CHANNELS_TOPIC:
-            return [decode(entry.data, topic) for entry in self.of(topic)]
+            return [decode(data, topic) for data in self.entries.lane(topic)]
         kind = TOPICS[topic].type
-        return [STORE.deserialize_cdr(entry.data, kind) for entry in self.of(topic)]
+        return [STORE.deserialize_cdr(data, kind) for data in self.entries.lane(topic)]
 
     def columns(self, topic: str) -> dict[str, NDArray[Any]]:
         """A flat topic as one array per field; what laws log as one array per signal, too."""
@@ -66,7 +60,7 @@ class Recording(NamedTuple):
         names, layout = self._flat(topic)
         codes = {"Q": "<u8", "q": "<i8", "d": "<f8"}
         fields = [(n, codes[c]) for n, c in zip(names, layout[3:], strict=True)]
-        rows = np.frombuffer(b"".join(entry.data[4:] for entry in self.of(topic)), dtype=fields)
+        rows = np.frombuffer(bytes(self.entries.lane(topic).data), dtype=[HEAD, *fields])
         return {name: rows[name] for name, _ in fields}
 
     def layout(self) -> Layout:
@@ -93,9 +87,10 @@ class Recording(NamedTuple):
         return check(self.metadata["run"]["scenario"], str(self.path))
 
 
-def recording(path: Path, entries: list[Entry], metadata: dict[str, dict[str, Any]]) -> Recording:
+def recording(path: Path, entries: Iterable[Entry], metadata: dict[str, dict[str, Any]]) -> Recording:
     """A complete recording that is in memory."""
-    return Recording(path, entries, metadata, True, dict(Counter(entry.topic for entry in entries)))
+    kept = Entries(entries)
+    return Recording(path, kept, metadata, True, dict(Counter(entry.topic for entry in kept)))
 
 
 def read(path: Path, topics: Collection[str] | None = None, growing: bool = False) -> Recording:
@@ -146,7 +141,7 @@ class _Content:
 
     def __init__(self, channels: Channels, topics: Collection[str] | None) -> None:
         self.channels = channels
-        self.entries: list[Entry] = []
+        self.entries = Entries()
         self.counts: Counter[str] = Counter()
         self.metadata: dict[str, dict[str, Any]] = {}
         self.damage = Damage()
@@ -166,7 +161,7 @@ class _Content:
                 self.channels.add(piece.record)
         nameless = self.counts.pop("", 0)  # messages of channels that are not described
         if nameless:
-            self.entries = [entry for entry in self.entries if entry.topic]
+            self.entries = Entries(entry for entry in self.entries if entry.topic)
         self.damage = damage(scan, nameless)._replace(unreadable=self.unreadable)
 
     def recording(self, path: Path) -> Recording:
@@ -176,7 +171,7 @@ class _Content:
         return Recording(path, self.entries, self.metadata, whole, counts, facts, self.damage)
 
     def _take_chunk(self, records: bytes) -> None:
-        topics, wanted, counts, add = self.channels.topics, self._topics, self.counts, self.entries.append
+        topics, wanted, counts, add = self.channels.topics, self._topics, self.counts, self.entries.add
         for opcode, begin, end in inside(records):
             if opcode != Opcode.MESSAGE:
                 self.channels.add(parsed(opcode, records[begin:end]) if opcode in READ else None)
@@ -188,7 +183,7 @@ class _Content:
                     continue
                 counts[topic] += 1
                 if wanted is None or topic in wanted:
-                    add(Entry(topic, log_time, sequence, data))
+                    add(topic, log_time, sequence, data)
 
     def _take_metadata(self, scan: Scan, piece: Piece) -> None:
         facts = facts_of(piece.record)

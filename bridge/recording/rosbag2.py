@@ -11,7 +11,8 @@ from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 from ruamel.yaml import YAML
 
 from bridge.errors import UsageError, writing
-from bridge.recording.reader import Entry, Recording
+from bridge.recording.entries import Entry
+from bridge.recording.reader import Recording
 from bridge.recording.writer import QOS, RecordingWriter
 from bridge.wire.codec import channels_hash, type_hash
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS

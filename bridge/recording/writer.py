@@ -5,17 +5,18 @@
 
 import json
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, cast
 
 from mcap.data_stream import RecordBuilder
-from mcap.records import Metadata
+from mcap.records import ChunkIndex, Metadata
 from mcap.writer import CompressionType, Writer
 
 from bridge.errors import UsageError, reason
-from bridge.recording.reader import Entry, Recording
+from bridge.recording.entries import Entry
+from bridge.recording.reader import Recording
 from bridge.recording.sink import Sink
 from bridge.wire.channels import Layout, text_of
 from bridge.wire.codec import channels_hash, encode, type_hash
@@ -23,6 +24,7 @@ from bridge.wire.messages import CHANNELS_TOPIC, OF_SOME_RUNS, TOPICS, Outgoing,
 from controller.grid import NS
 
 CHUNK = 8 * 1024 * 1024  # bytes; flushing by time closes them long before
+LIST_OF_CHUNKS = "_Writer__chunk_indices"  # of the library's writer
 FLUSH_PERIOD = NS // 5  # a kill is to lose no more than 0.25 s: this, and the time until it is noticed
 QOS = """\
 - history: 3
@@ -70,6 +72,29 @@ def save(recording: Recording, path: Path, rig_name: str) -> Path:
     return path
 
 
+class ChunkIndexes:
+    """What the end of a file says of its chunks, as the bytes that are written there.
+
+    In place of the library's list of objects, which takes eight times as much: 0.4 MB per minute.
+    """
+
+    def __init__(self) -> None:
+        self._records = bytearray()
+
+    def append(self, index: ChunkIndex) -> None:
+        """Add a chunk."""
+        builder = RecordBuilder()
+        index.write(builder)
+        self._records += builder.end()
+
+    def __iter__(self) -> Iterator["ChunkIndexes"]:
+        yield self
+
+    def write(self, builder: RecordBuilder) -> None:
+        """Write them all."""
+        builder.write(bytes(self._records))
+
+
 class RecordingWriter:
     """One file of one run. Whatever writes to the disk raises OSError; the file then ends with what was whole."""
 
@@ -90,6 +115,7 @@ class RecordingWriter:
         self.sink = Sink(path, fsync)
         # the writer writes, flushes and closes its stream, no more, and Sink does these
         self._writer = Writer(cast("IO[bytes]", self.sink), chunk_size=CHUNK, compression=CompressionType.ZSTD)
+        setattr(self._writer, LIST_OF_CHUNKS, ChunkIndexes())
         self._writer.start(profile="ros2", library="hydrotwin")
         chosen = [name for name in TOPICS if (topics is None or name in topics) and name not in OF_SOME_RUNS]
         self._channels = {name: self._register(name) for name in chosen}

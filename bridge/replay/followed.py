@@ -9,7 +9,8 @@ from bridge.errors import UsageError
 from bridge.loop.follower import FollowerSide
 from bridge.loop.health import HealthSide, plain, watching
 from bridge.machine.process import Stop
-from bridge.recording.reader import Entry, Recording, read
+from bridge.recording.entries import Entries, Entry
+from bridge.recording.reader import Recording, read
 from bridge.recording.writer import entries_of, save
 from bridge.replay.into_follower import through_follower
 from bridge.scenario import changed
@@ -73,7 +74,7 @@ def follow_recording(
     both = sorted([*kept, *entries], key=lambda entry: entry.log_time)
     counts = dict(Counter(entry.topic for entry in both))
     head = recording.metadata | {"followed": {"file": path.name, "changes": list(changes), "settings": repr(settings)}}
-    save(recording._replace(entries=both, counts=counts, metadata=head), output, scenario.rig_name)
+    save(recording._replace(entries=Entries(both), counts=counts, metadata=head), output, scenario.rig_name)
     return Followed(output, side.published[ESTIMATE], max(0, side.restarts), seconds, side.latest, side.health)
 
 

@@ -15,7 +15,8 @@ from bridge.errors import RunError, UsageError
 from bridge.loop.controller import ControllerSide
 from bridge.machine.children import guarded
 from bridge.processes.child import Child
-from bridge.recording.reader import Entry, Recording
+from bridge.recording.entries import Entries, Entry
+from bridge.recording.reader import Recording
 from bridge.replay.stamps import stamp_in
 from bridge.scenario import Scenario
 from bridge.scenario.channels import layout_of
@@ -46,7 +47,7 @@ def owner(recording: Recording) -> int:
 def only(recording: Recording, source: int) -> Recording:
     """The recording without what other controllers said."""
     kept = [e for e in recording.entries if e.topic not in SOURCED or _source(e) == source]
-    return recording._replace(entries=kept, counts=recording.counts | dict(Counter(e.topic for e in kept)))
+    return recording._replace(entries=Entries(kept), counts=recording.counts | dict(Counter(e.topic for e in kept)))
 
 
 def _source(entry: Entry) -> int:

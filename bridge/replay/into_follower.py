@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 
 from bridge.loop.follower import FollowerSide
-from bridge.recording.reader import Entry, Recording
+from bridge.recording.entries import Entry
+from bridge.recording.reader import Recording
 from bridge.wire.codec import decode
 from bridge.wire.messages import Outgoing
 

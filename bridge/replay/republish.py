@@ -12,7 +12,8 @@ import zenoh
 from bridge.errors import RunError, UsageError
 from bridge.machine.process import Stop, prepare
 from bridge.recording.choice import choose
-from bridge.recording.reader import Entry, Recording, read
+from bridge.recording.entries import Entry
+from bridge.recording.reader import Recording, read
 from bridge.replay.keyboard import keyboard
 from bridge.replay.keys import live_publishers, remapped
 from bridge.replay.player import Player

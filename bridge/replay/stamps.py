@@ -2,7 +2,7 @@
 
 import struct
 
-from bridge.recording.reader import Entry
+from bridge.recording.entries import Entry
 
 _STAMP = struct.Struct("<28xq")  # header, run, sequence and tick before it
 

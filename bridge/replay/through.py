@@ -9,8 +9,9 @@ from bridge.errors import RunError, UsageError
 from bridge.loop.controller import ControllerSide
 from bridge.machine.process import Stop
 from bridge.recording.compare import compare
+from bridge.recording.entries import Entry
 from bridge.recording.imported import is_measured
-from bridge.recording.reader import Entry, Recording, read
+from bridge.recording.reader import Recording, read
 from bridge.recording.reader import recording as in_memory
 from bridge.recording.summarise import NEEDED, summarise
 from bridge.recording.summary import summary_of

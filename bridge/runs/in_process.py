@@ -8,8 +8,9 @@ from typing import Any
 from bridge.errors import RunError, reason
 from bridge.loop.exchange import exchange, sides
 from bridge.loop.plant import PlantSide
+from bridge.recording.entries import Entry
 from bridge.recording.manifest import manifest
-from bridge.recording.reader import Entry, Recording, recording
+from bridge.recording.reader import Recording, recording
 from bridge.recording.summarise import summarise
 from bridge.recording.summary import Summary
 from bridge.recording.writer import RecordingWriter, entries_of

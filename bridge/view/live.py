@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 from bridge.errors import RunError, UsageError
 from bridge.machine.children import guarded
 from bridge.machine.process import Stop
+from bridge.recording.entries import Entry
 from bridge.recording.inbox import WATCHED, inbox, run_of
 from bridge.recording.manifest import told_by
-from bridge.recording.reader import Entry
 from bridge.view.content import APPLICATION
 from bridge.view.live_drawing import Drawing
 from bridge.view.rerun_program import (

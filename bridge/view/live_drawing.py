@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from bridge.recording.entries import Entry
 from bridge.recording.frames import Frames, frames
 from bridge.recording.inbox import WATCHED
 from bridge.recording.own_signals import own_units
-from bridge.recording.reader import Entry, Recording, recording
+from bridge.recording.reader import Recording, recording
 from bridge.recording.shown import line_ends
 from bridge.recording.verdicts import Said, verdicts_of
 from bridge.scenario.channels import layout_of

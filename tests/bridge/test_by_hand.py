@@ -10,8 +10,9 @@ import pytest
 from bridge.loop.exchange import exchange, sides
 from bridge.machine.narrator import Narrator
 from bridge.recording.columns import followed, reference_at
+from bridge.recording.entries import Entry
 from bridge.recording.info import describe
-from bridge.recording.reader import Entry, read, recording
+from bridge.recording.reader import read, recording
 from bridge.scenario import load
 from bridge.scenario.sameness import difference, digest_of
 from bridge.wire.bus import STAMP

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from bridge.recording.entries import Entries
 from bridge.recording.reader import Recording, read
 from bridge.wire.link import free_endpoint
 from tests.support.command import hydrotwin_here
@@ -168,6 +169,6 @@ def test_ten_thousand_attempts_do_not_delay_the_loop(home):
 def test_a_trial_would_see_somebody_who_got_in():
     """What a test of refusals must not be: one that passes whatever is counted."""
     tried: Any = {kind: 1 for group in CROWD for kind in group}
-    nothing = Recording(Path(), [], {"summary": {"commands": {"refused": {}}}}, True, {})
+    nothing = Recording(Path(), Entries(), {"summary": {"commands": {"refused": {}}}}, True, {})
     with pytest.raises(AssertionError):
         assert_refused(Trial(tried, 1, {}, 0.0, 0.0, nothing), 8)

@@ -26,7 +26,8 @@ from bridge.panel.rig import may_operate
 from bridge.panel.series import Series, dtype_of, thinned
 from bridge.panel.server import application
 from bridge.panel.station import Place, Station
-from bridge.recording.reader import Entry, read
+from bridge.recording.entries import Entry
+from bridge.recording.reader import read
 from bridge.scenario import load
 from bridge.wire.access import MEMBERS, Role
 from bridge.wire.link import Link, free_endpoint

@@ -11,8 +11,8 @@ from bridge.panel.clients import packed
 from bridge.panel.numbers import for_page
 from bridge.panel.run import Run
 from bridge.panel.series import dtype_of
+from bridge.recording.entries import Entry
 from bridge.recording.manifest import manifest
-from bridge.recording.reader import Entry
 from bridge.scenario import Scenario, load
 from bridge.scenario.tunable import tunables
 from bridge.wire.codec import HEADER, encode

@@ -123,9 +123,10 @@ def test_one_processor_is_left_to_others(monkeypatch: pytest.MonkeyPatch):
 def test_a_recorder_comes_behind_the_loop_and_before_all_else():
     found = in_a_process(
         "take_behind(Priority.AUTO, False); print(now(0) == os.SCHED_OTHER)\n"
-        "take_behind(Priority.AUTO, True); print(now(0) == os.SCHED_FIFO, os.sched_getparam(0).sched_priority)"
+        "take_behind(Priority.AUTO, True); print(now(0) == os.SCHED_FIFO, os.sched_getparam(0).sched_priority)\n"
+        "leave(); print(now(0) == os.SCHED_OTHER)"
     )
-    assert found.split() == ["True", "True", str(priority.RECORDING)]
+    assert found.split() == ["True", "True", str(priority.RECORDING), "True"]
     assert priority.RECORDING < priority.FIFO_PRIORITY
 
 

@@ -13,7 +13,7 @@ import pytest
 
 import hydrotwin as ht
 from bridge.recording.digest import digest
-from bridge.recording.reader import Entry
+from bridge.recording.entries import Entry
 from bridge.runs.in_process import record_in_process
 from hydrotwin.signal import Signal
 from tests.support.processes import ENVIRONMENT, ROOT

@@ -14,6 +14,7 @@ from bridge.errors import UsageError
 from bridge.processes.recorder.order import Order
 from bridge.recording.digest import digest
 from bridge.recording.reader import Recording, read
+from bridge.recording.writer import LIST_OF_CHUNKS, ChunkIndexes, new_recording
 from bridge.runs.in_process import record_in_process
 from bridge.scenario import Scenario, load
 from bridge.wire.messages import TOPICS
@@ -124,3 +125,19 @@ def test_digests_see_every_bit(recording, tmp_path):
     other = digest(tmp_path / "b.mcap")
     assert other["measurement"] != first["measurement"]
     assert set(first) == {topic.name for topic in TOPICS.values() if topic.data}
+
+
+def test_the_list_of_chunks_is_the_library_s_in_an_eighth_of_the_memory(recording, tmp_path, monkeypatch):
+    """A recorder of a day has half a million chunks; the end of the file is the library's own, byte for byte."""
+    files, kept = [], []
+    for kind in (ChunkIndexes, list):
+        monkeypatch.setattr("bridge.recording.writer.ChunkIndexes", kind)
+        writer = new_recording(tmp_path / f"{kind.__name__}.mcap", "rig")
+        for entry in recording.entries:
+            writer.write(*entry)
+            writer.flush_by(entry.log_time)
+        kept.append(getattr(writer._writer, LIST_OF_CHUNKS))
+        writer.close()
+        files.append(writer.path.read_bytes())
+    assert files[0] == files[1]
+    assert 100 < len(kept[0]._records) / len(kept[1]) < 400

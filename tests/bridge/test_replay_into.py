@@ -15,7 +15,8 @@ from bridge.cli.verbs import app
 from bridge.errors import UsageError
 from bridge.loop.exchange import sides
 from bridge.loop.plant import PlantSide
-from bridge.recording.reader import Entry, Recording, read, recording
+from bridge.recording.entries import Entry
+from bridge.recording.reader import Recording, read, recording
 from bridge.replay.into_plant import through_plant
 from bridge.replay.through import Through, replay_through
 from bridge.runs.in_process import record_in_process

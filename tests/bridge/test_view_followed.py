@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bridge.recording.reader import Entry, recording
+from bridge.recording.entries import Entry
+from bridge.recording.reader import recording
 from bridge.recording.verdicts import verdicts_of
 from bridge.wire.codec import Estimate, Health, encode
 from bridge.wire.health import PLACES

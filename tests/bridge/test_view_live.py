@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from bridge.loop.exchange import exchange, sides
+from bridge.recording.entries import Entry
 from bridge.recording.inbox import WATCHED, Inbox, inbox, run_of
 from bridge.recording.manifest import manifest
-from bridge.recording.reader import Entry
 from bridge.scenario import load
 from bridge.wire.bus import STAMP, Bus
 from bridge.wire.codec import encode

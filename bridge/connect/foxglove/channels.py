@@ -8,7 +8,7 @@ from bridge.wire.channels import text_of
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, definition
 
 if TYPE_CHECKING:
-    from bridge.recording.reader import Entry
+    from bridge.recording.entries import Entry
 
 HEARD = tuple(topic.name for topic in TOPICS.values() if topic.publisher != "anybody")
 

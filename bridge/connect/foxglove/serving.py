@@ -10,8 +10,8 @@ from bridge.connect.foxglove.services import services
 from bridge.errors import RunError, UsageError
 from bridge.machine.priority import stand_back
 from bridge.machine.process import Stop
+from bridge.recording.entries import Entry
 from bridge.recording.inbox import inbox, run_of
-from bridge.recording.reader import Entry
 from bridge.scenario import check
 from bridge.wire.bus import Bus
 from bridge.wire.codec import decode

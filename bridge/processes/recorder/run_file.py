@@ -13,6 +13,7 @@ from bridge.processes.recorder.order import Order
 from bridge.processes.recorder.parts import Keeping, Parts
 from bridge.processes.recorder.ring import Ring, Window
 from bridge.processes.recorder.triggers import Triggers, topics_of
+from bridge.recording.entries import Entries
 from bridge.recording.reader import Recording, read
 from bridge.recording.summarise import NEEDED, summarise
 from bridge.recording.tally import Tally
@@ -247,5 +248,5 @@ def _joined(parts: list[Recording]) -> Recording:
     counts: Counter[str] = Counter()
     for part in parts:
         counts.update(part.counts)
-    entries = [entry for part in parts for entry in part.entries]
+    entries = Entries(entry for part in parts for entry in part.entries)
     return parts[-1]._replace(entries=entries, counts=dict(counts))
