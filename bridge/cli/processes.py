@@ -52,8 +52,9 @@ def plant(
 ) -> None:
     """Simulate the rig: publish measurements, take valve commands.
 
-    It holds no control law. In real time it starts at once (or with its --await partners) and keeps the valve
-    centred until a controller speaks; in lockstep it waits for each command.
+    It holds no control law. In real time it starts at once and keeps the valve centred until a controller speaks. With
+    --await controller it waits until one is there, and then up to 2 s for its first command. In lockstep it waits for
+    each command.
     """
     from bridge.scenario import load
     from bridge.scenario.loading import refuse_fast_daq

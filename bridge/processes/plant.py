@@ -19,10 +19,11 @@ from bridge.machine.process import Stop, prepare
 from bridge.machine.refusals import count_refusals
 from bridge.processes.failing import faults_of_processes, refuse_processes
 from bridge.processes.injection import injected_by
+from bridge.processes.late_ticks import stop_where_late
 from bridge.processes.orders import Act, Order, answer_to
 from bridge.processes.parameters import listed, set_by, target_of
 from bridge.processes.starting import EAR
-from bridge.processes.strangers import Strangers
+from bridge.processes.strangers import Strangers, second_plant
 from bridge.processes.telling import Telling
 from bridge.scenario import Scenario
 from bridge.scenario.circuit import circuit_of
@@ -42,6 +43,8 @@ from controller.grid import NS, is_sample
 STATUS_PERIOD = 100_000_000  # [ns] of wall time
 SETTLING = 2.0  # seconds in which a plant that started at the same instant may still be found
 UNANSWERED = 1000  # samples whose way out is remembered while no command answers them
+FIRST_ANSWER = 2.0  # seconds for the first command of a controller that was waited for, before the clock starts
+FIRST_LOOK = 0.0005  # seconds from look to look for it
 LAST_ANSWER = 1.0  # seconds for an answer that nothing depends on
 LINGER = 5.0  # seconds that partners get to finish
 FOLLOWING = 60.0  # seconds that a follower gets: in lockstep it may be behind
@@ -181,6 +184,7 @@ class PlantProcess:
         policy = self.scenario.real_time
         overruns = Overruns(period, policy.grace * NS)
         self._publish(self.side.start(), time.monotonic_ns())
+        self._await_first_answer()
         latest = 0
         for tick in ticks(period, skip=policy.on_overrun == OnOverrun.SKIP):
             trip, slack = self._take_commands(tick.due, period)
@@ -192,22 +196,18 @@ class PlantProcess:
             self._time(tick.lateness, now - tick.due - tick.lateness, trip, slack)
             worst, burst = overruns.worst / NS, overruns.burst
             self.pace = Pace(overruns.count, worst, burst, latest / NS, trip / NS, overruns.ticks, tick.skipped)
-            self._stop_where_late(overruns)
+            stop_where_late(overruns, self.scenario)
             if self._report_when_due(now):
                 latest = 0
             if tick.number >= self.scenario.ticks or self.stop():
                 return
 
-    def _stop_where_late(self, overruns: Overruns) -> None:
-        """Raises RunError where ticks are later than allowed and the scenario wants to end then."""
-        policy = self.scenario.real_time
-        most = policy.overruns * self.scenario.ticks
-        if policy.on_overrun == OnOverrun.STOP and overruns.beyond(most, policy.length * NS):
-            raise RunError(
-                f"{overruns.ticks} ticks came a period or more late, the worst by {overruns.worst / 1e6:.1f} ms: "
-                f"real_time allows {most:g} (overruns), by at most {policy.length * 1e3:g} ms (length), "
-                "and on_overrun is 'stop'"
-            )
+    def _await_first_answer(self) -> None:
+        """Start the clock once the loop is closed: a controller's first answer takes longest, it compiles or loads."""
+        deadline = time.monotonic() + FIRST_ANSWER
+        if "controller" in self.options.partners and is_sample(0, self.side.grid):
+            while self._commands.empty() and time.monotonic() < deadline and not self.stop():
+                time.sleep(FIRST_LOOK)
 
     def _take_commands(self, due: int, period: float) -> tuple[int, int]:
         """Take all that has come; the newest round trip and how early it was [ns], -1 and 0 without one."""
@@ -256,7 +256,7 @@ class PlantProcess:
             return
         lower = [pid for pid in self.bus.present.get("plant", ()) if pid.isdigit() and int(pid) < os.getpid()]
         if lower:
-            raise _second(self.scenario.rig_name, lower)
+            raise second_plant(self.scenario.rig_name, lower)
 
     def _on_command(self, sample: Any) -> None:
         self._commands.put(Command(sample, time.monotonic_ns()))
@@ -321,14 +321,6 @@ class PlantProcess:
         return json.dumps(facts).encode()
 
 
-def _second(rig_name: str, others: list[str]) -> RunError:
-    """For a plant of a rig that has one."""
-    return RunError(
-        f"rig {rig_name!r} has a plant already (process {', '.join(others)}): stop it, or give this "
-        "one a name of its own with --set rig_name=NAME"
-    )
-
-
 def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantReport:
     """Run a plant to its end; returns its last words. Raises RunError or LinkError with one line for people."""
     circuit_of(scenario)  # refused before anybody is told of it
@@ -343,7 +335,7 @@ def run_plant(scenario: Scenario, link: Link, options: PlantOptions) -> PlantRep
     blocking = options.mode == Mode.LOCKSTEP
     with Bus(link, scenario.rig_name, "plant", blocking, turned=turned) as bus:
         if others := bus.others("plant"):
-            raise _second(scenario.rig_name, others)
+            raise second_plant(scenario.rig_name, others)
         process = PlantProcess(bus, scenario, options)
         try:
             ending = process.run()

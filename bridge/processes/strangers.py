@@ -1,10 +1,11 @@
-"""Controllers beside a plant that run another scenario: known by the digest in their status, told of once each."""
+"""Whom a plant does not expect: controllers that run another scenario, told of once each, and a second plant."""
 
 import queue
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
 
+from bridge.errors import RunError
 from bridge.scenario.sameness import DIGEST
 from bridge.wire.codec import decode
 from bridge.wire.intake import Turned, Waiting
@@ -45,3 +46,11 @@ class Strangers:
                 yield self._waiting.get_nowait()
             except queue.Empty:
                 return
+
+
+def second_plant(rig_name: str, others: list[str]) -> RunError:
+    """For a plant of a rig that has one."""
+    return RunError(
+        f"rig {rig_name!r} has a plant already (process {', '.join(others)}): stop it, or give this "
+        "one a name of its own with --set rig_name=NAME"
+    )

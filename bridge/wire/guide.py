@@ -39,7 +39,8 @@ prints the header of a law in C). A controller of your own, in any language that
     (of a servo valve: scenario.rig.servo_valve.overlap_p_a and so on), a share of the spool's travel: so much does
     nothing, and the plant does not compensate for it.
  4. Declare the liveliness token <rig>/{TOKEN}/NUMBER, with any number of your own such as the process id. With
-    `run --external` and with `plant --await controller` the plant waits for it. Undeclare it, or close, when you leave.
+    `run --external` and with `plant --await controller` the plant waits for it; in real time its clock then starts with
+    your answer to the measurement of stamp 0, or 2 s after that without one. Undeclare it, or close, when you leave.
  5. Answer each measurement whose stamp is offset + i * sample_period, i = 0, 1, 2, .. with one message on
     <rig>/command: run_id and stamp (as sample_stamp) of the measurement, source a random 64-bit number of your own, not
     0, sequence counting your commands from 0, apply_at = sample_stamp + delay, spool from -1 to 1; positive lifts.

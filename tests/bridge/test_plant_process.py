@@ -1,6 +1,8 @@
-"""Plants that did not see each other when they started: the one of the lowest process id stays."""
+"""A plant's start: of two that did not see each other one stays; the clock starts with the first answer."""
 
 import os
+import time
+from typing import Any
 
 import pytest
 
@@ -9,8 +11,9 @@ from bridge.machine.priority import Priority
 from bridge.processes.plant import PlantOptions, run_plant
 from bridge.scenario import load
 from bridge.wire.bus import Bus
+from bridge.wire.codec import ValveCommand, decode
 from bridge.wire.link import Link, free_endpoint
-from bridge.wire.messages import Mode
+from bridge.wire.messages import Mode, Outgoing
 
 
 @pytest.fixture
@@ -32,3 +35,40 @@ def test_of_two_plants_that_start_at_one_instant_one_stays(pid: int, stays: bool
         else:
             with pytest.raises(RunError, match=rf"has a plant already \(process {pid}\)"):
                 run_plant(scenario, link, options)
+
+
+class SlowAtFirst:
+    """A controller whose first answer takes half a second, as code does that compiles when it is first called."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._bus = bus
+        self.sent = 0
+        bus.subscribe("measurement", self._answer)
+        bus.announce()
+
+    def _answer(self, sample: Any) -> None:
+        measured = decode(sample.payload.to_bytes(), "measurement")
+        if measured.tick % 10:
+            return
+        time.sleep(0.0 if self.sent else 0.5)
+        stamp, number = measured.stamp, measured.tick // 10
+        command = ValveCommand(
+            run_id=1, source=1, sequence=number, sample_stamp=stamp, apply_at=stamp + 5_000_000, spool=0.1
+        )
+        self._bus.publish(Outgoing("command", stamp, number, command))
+        self.sent += 1
+
+
+@pytest.mark.timed
+def test_the_clock_starts_once_the_controller_has_answered(monkeypatch: pytest.MonkeyPatch):
+    """Its first answer takes longer than the plant has patience with a controller that was there: 0.2 s."""
+    monkeypatch.setattr("bridge.processes.plant.LINGER", 0.0)
+    endpoint = free_endpoint()
+    scenario = load("step", ["duration=0.25", "loop.command_timeout=0.2"])
+    with Bus(Link(endpoint, None, None, 10.0), "rig", "controller", blocking=False) as other:
+        law = SlowAtFirst(other)
+        options = PlantOptions(Mode.REALTIME, 1.0, Priority.ORDINARY, 1, ("controller",), 10.0, quiet=True)
+        status = run_plant(scenario, Link(None, endpoint, None, 10.0), options).status
+    assert (status.tick, status.safe_states) == (250, 0)
+    assert (status.commands, status.late) in ((25, 0), (26, 0))  # the last one may come after the end
+    assert law.sent == 26

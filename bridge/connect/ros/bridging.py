@@ -35,6 +35,7 @@ HEARD = tuple(topic.name for topic in TOPICS.values() if topic.publisher != "any
 DIRECT = ("measurement", CHANNELS_TOPIC, COMMAND)  # passed on at once
 CLOCK_PERIOD = 10_000_000  # [ns] of simulated time, from one /clock to the next at least
 PERIOD = 0.01  # [s] from look to look at what waits
+SETTLING = 0.5  # [s] that a node has to subscribe, too, once it publishes commands: only then the plant hears of it
 LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then its last word may wait for us
 
 
@@ -89,7 +90,9 @@ class RosBridge:
         self.taken: Counter[str] = Counter()  # messages from the nodes, per topic
         self._numbers = iter(range(1, 1 << 31))
         self._orders: list[str] = []
+        self._lock = threading.Lock()
         self._commanders: set[str] = set()  # tokens of nodes that publish commands
+        self._come = 0.0  # when the first of them came [s, monotonic]
         self._present: Any = None  # the sign of life of a controller, while there is one among the nodes
         self._due = -CLOCK_PERIOD
         self._held: list[Any] = [session.liveliness().declare_token(self.node.token())]
@@ -116,6 +119,7 @@ class RosBridge:
         """Pass on what waits, and answer orders, until stopped."""
         while not stop():
             time.sleep(PERIOD)
+            self._tell_of_commanders()
             for entry in self._inbox.take():
                 self._outlets[entry.topic].put(entry.data, entry.log_time)
                 self.passed[entry.topic] += 1
@@ -178,15 +182,25 @@ class RosBridge:
         )
 
     def _commander(self, sample: Any) -> None:
-        """A node that publishes commands has come or gone: the plant is told that it has a controller, or none."""
+        """A node that publishes commands has come or gone."""
         token = str(sample.key_expr)
         if self.node.session in token:
             return
-        (self._commanders.add if sample.kind == zenoh.SampleKind.PUT else self._commanders.discard)(token)
-        if self._commanders and self._present is None:
+        with self._lock:
+            if sample.kind == zenoh.SampleKind.PUT:
+                self._come = self._come if self._commanders else time.monotonic()
+                self._commanders.add(token)
+            else:
+                self._commanders.discard(token)
+
+    def _tell_of_commanders(self) -> None:
+        """Give the plant the sign of life of a controller while there is one."""
+        with self._lock:
+            settled = bool(self._commanders) and time.monotonic() - self._come > SETTLING
+        if settled and self._present is None:
             name = f"{self._bus.rig_name}/alive/controller/{os.getpid()}"
             self._present = self._bus.session.liveliness().declare_token(name)
-        elif not self._commanders and self._present is not None:
+        elif not settled and self._present is not None:
             self._present.undeclare()
             self._present = None
 
