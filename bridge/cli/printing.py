@@ -8,6 +8,7 @@ from rich.text import Text
 
 from bridge.cli.outputs import print_json
 from bridge.cli.tables import plain_text, print_table
+from bridge.scenario.units import shown
 
 if TYPE_CHECKING:
     from bridge.recording.compare import Difference
@@ -114,17 +115,20 @@ def print_differences(found: "list[Difference]", as_json: bool, further: dict[st
 
 
 def _row(d: "Difference") -> tuple[str | Text, ...]:
+    """In the units that people read; --json has SI."""
+    factor, unit = shown(d.unit)
+
     def time(value: float | None) -> str:
         return "-" if value is None else f"{value:.6g} s"
 
     mark = Text("same" if d.greatest == 0.0 else "within", "green") if d.passed else Text("DIFFERS", "red")
     return (
         d.signal,
-        f"{d.greatest:.4g} {d.unit}",
+        f"{d.greatest * factor:.4g} {unit}",
         time(d.at),
-        f"{d.rms:.3g} {d.unit}",
+        f"{d.rms * factor:.3g} {unit}",
         time(d.first),
-        f"{d.tolerance:g} {d.unit}",
+        f"{d.tolerance * factor:.6g} {unit}",
         str(d.instants),
         str(d.alone),
         mark,

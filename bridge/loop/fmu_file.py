@@ -12,8 +12,9 @@ from bridge.errors import RunError, ScenarioError
 from controller.grid import NS
 
 LARGEST = 1_000_000_000  # bytes unpacked
+ENUMERATION = "Enumeration"
 REALS = ("Real", "Float64", "Float32")
-KINDS = {"2.0": {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean"}}  # of a variable: its accessor
+WHOLE = ("Boolean", "Integer", ENUMERATION, *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
 MISSING = "controller.kind = 'fmu' needs FMPy: pip install 'hydrotwin[fmu]'"
 MISCOUNTING = "PythonFMU"  # frees Python objects once too often when it is freed, which ends this program later
 SHOWN = 300  # characters of what an FMU says
@@ -72,6 +73,16 @@ class FmuFile:
         return folder
 
 
+def is_real(variable: Any) -> bool:
+    """Is a variable a single number with a fraction?"""
+    return variable.type in REALS and not variable.dimensions
+
+
+def is_number(variable: Any) -> bool:
+    """Is a variable a single number?"""
+    return variable.type in (*REALS, *WHOLE) and not variable.dimensions
+
+
 class FmuInstance:
     """One instance, freed when nobody refers to it any more; of a tool that cannot do that it stays."""
 
@@ -104,8 +115,9 @@ class FmuInstance:
         """Set variables by their names."""
         for name, value in values.items():
             variable = self.file.variables[name]
-            plain = value if variable.type in REALS else int(value)
-            getattr(self.slave, f"set{variable.type}")([variable.valueReference], [plain])
+            plain = value if is_real(variable) else int(value)
+            kind = variable.type if variable.type != ENUMERATION else "Int64" if self.file.three else "Integer"
+            getattr(self.slave, f"set{kind}")([variable.valueReference], [plain])
 
     def set(self, stamp: int, values: dict[str, float]) -> None:
         """Set variables in the middle of a run."""
@@ -116,7 +128,9 @@ class FmuInstance:
         """Give it its inputs, step from an instant [ns] by a period [s], and read the output."""
         with self._calling(stamp):
             self.put(values)
-            self.slave.doStep(currentCommunicationPoint=stamp / NS, communicationStepSize=period)
+            told = self.slave.doStep(currentCommunicationPoint=stamp / NS, communicationStepSize=period)
+            if self.file.three and told[1]:
+                raise RunError("it asks to end the simulation")
             return float(getattr(self.slave, f"get{output.type}")([output.valueReference])[0])
 
     @contextmanager

@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import Any, NamedTuple
 
 from bridge.errors import RunError, ScenarioError, nearest
-from bridge.loop.fmu_file import REALS, FmuFile, FmuInstance
+from bridge.loop.fmu_file import FmuFile, FmuInstance, is_number, is_real
 from bridge.scenario.fmu_controller import Fmu, FmuGains, Mapped, mapped
 from bridge.scenario.unit_dimensions import dimensions
 from bridge.scenario.units import UNITS, Unit
@@ -100,14 +100,22 @@ def _objection(name: str, value: float, file: FmuFile, fixed: dict[str, float]) 
     if name not in valid:
         return f"{place}: {file.label} has no parameter of this name{nearest(name, valid)}"
     variable = file.variables[name]
-    if variable.type in ("String", "Binary", "Enumeration"):
-        return f"{place}: is of the type {variable.type}; a number cannot be given to it"
+    if words := _no_number(variable, value):
+        return f"{place}: {words}"
     for limit, beyond, words in ((variable.min, value.__lt__, "at least"), (variable.max, value.__gt__, "at most")):
         if limit is not None and beyond(float(limit)):
             return f"{place} = {value:g}: must be {words} {float(limit):g}, says the FMU"
     if variable.variability != "tunable" and fixed.setdefault(name, value) != value:
         return f"{place}: the FMU says it is fixed, so it cannot change during a run"
     return ""
+
+
+def _no_number(variable: Any, value: float) -> str:
+    """Why a number cannot be given to a variable; "" where it can."""
+    if not is_number(variable):
+        what = "an array" if variable.dimensions else f"of the type {variable.type}"
+        return f"it is {what}; a number cannot be given to it, leave it out and it keeps its start value"
+    return "" if is_real(variable) or value == int(value) else f"it takes whole numbers, not {value:g}"
 
 
 def _refuse_period(period: float, file: FmuFile) -> None:
@@ -130,7 +138,7 @@ def _wired(controller: Fmu, file: FmuFile) -> Wired:
     wrong += [
         f"controller.inputs: the FMU's input {name!r} reads nothing: map it to a signal, or give it a number"
         for name in inputs
-        if name not in given
+        if name not in given and is_number(file.variables[name])  # others keep their start values
     ]
     readings: dict[str, Reading] = {}
     constants: dict[str, float] = {}
@@ -141,6 +149,8 @@ def _wired(controller: Fmu, file: FmuFile) -> Wired:
         try:
             if isinstance(what, str):
                 readings[name] = _reading(mapped(what), file.variables[name], file, channels)
+            elif words := _no_number(file.variables[name], what):
+                wrong.append(f"controller.inputs.{name}: {words}")
             else:
                 constants[name] = float(what)
         except ValueError as error:
@@ -160,8 +170,9 @@ def _own(name: str) -> str:
 def _reading(wanted: Mapped, variable: Any, file: FmuFile, channels: list[str]) -> Reading:
     """What gives an input its value, in its own unit. Raises ValueError."""
     name = wanted.signal
-    if variable.type not in REALS:
-        raise ValueError(f"it is of the type {variable.type}; a signal goes into a Real, Float64 or Float32")
+    if not is_real(variable):
+        what = "an array" if variable.dimensions else f"of the type {variable.type}"
+        raise ValueError(f"it is {what}; a signal goes into a single Real, Float64 or Float32")
     if name in SIGNALS:
         read, unit = SIGNALS[name], SIGNAL_UNITS.get(name, "m")
     elif name.isidentifier():
@@ -195,10 +206,10 @@ def _unit(written: str, unit: str, variable: Any, file: FmuFile) -> Unit:
 
 def _output(wanted: Mapped, file: FmuFile, wrong: list[str]) -> tuple[Any, str]:
     """The variable of the spool reference, and its unit."""
-    outputs = [v.name for v in file.model.modelVariables if v.causality == "output" and v.type in REALS]
+    outputs = [v.name for v in file.model.modelVariables if v.causality == "output" and is_real(v)]
     if wanted.signal not in outputs:
         near = nearest(wanted.signal, outputs)
-        wrong.append(f"controller.output: {file.label} has no output {wanted.signal!r}{near}")
+        wrong.append(f"controller.output: {file.label} has no output {wanted.signal!r} that is a single number{near}")
         return None, ""
     variable = file.variables[wanted.signal]
     unit = wanted.unit or variable.unit or ""

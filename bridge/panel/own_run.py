@@ -66,7 +66,7 @@ class OwnRun:
         return role in self._children and not self._children[role].ended()
 
     def record(self) -> Path:
-        """Begin a recording; it ends with the run, or by `end_recording`."""
+        """Begin a recording; it closes with the run, or by `end`."""
         if self.going("record"):
             raise UsageError(f"{self.recording} is being written already")
         path = Path("runs") / f"{self.scenario.name}-{time.strftime('%Y%m%d-%H%M%S')}.mcap"

@@ -117,6 +117,8 @@ class Run:
         columns = own_columns(messages)
         time = np.asarray(columns["stamp"]) / NS
         curves = [curve for curve in self._curves.get("signals", {}).values() if curve.field in columns]
+        if not curves:  # another controller logs other signals, or none
+            return {}
         return _plain(Points(time, np.stack([columns[curve.field] for curve in curves], axis=1)), curves)
 
     def _take_events(self, entries: list[Entry], topic: str) -> list[dict[str, Any]]:

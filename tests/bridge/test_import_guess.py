@@ -99,6 +99,19 @@ def test_names_say_less_than_units(tmp_path):
     assert {name: guess.sure for name, guess in signals.items()} == {"command": Sure.UNSURE, "position": Sure.UNSURE}
 
 
+def test_our_own_names_are_known_and_counters_are_not_signals(tmp_path):
+    """Columns as our own exports have them: of the card before of the joint, the spool and not the command's number."""
+    names = "time_s,command.sequence,command.sample_stamp,command.spool,joint.position,measurement.position"
+    rows = zip(TIME, range(ROWS), range(ROWS), VOLTS, MM, MM, strict=True)
+    lines = [names, *(f"{t},{n},{10 * n},{u / 10},{x / 1e3},{x / 1e3}" for t, n, _, u, x, _ in rows)]
+    (tmp_path / "log.csv").write_text("\n".join(lines))
+    found = guessed_map(tmp_path / "log.csv", "ehla").signals
+    assert {name: guess.column for name, guess in found.items()} == {
+        "command": "command.spool",
+        "position": "measurement.position",
+    }
+
+
 @pytest.mark.parametrize(("top", "bits", "digits"), [(300.0, 12, 2), (250.0, 12, 2), (10.0, 16, 5), (400.0, 14, 3)])
 def test_a_converter_is_found_by_the_steps_between_values(top, bits, digits):
     """Also where printing has rounded each value."""

@@ -22,8 +22,10 @@ from bridge.machine.process import Stop
 from bridge.recording.inbox import inbox
 from bridge.scenario import check
 from bridge.scenario.channels import layout_of
+from bridge.scenario.untrusted import parsed_json
 from bridge.wire.bus import STAMP, Bus, stamp_of
 from bridge.wire.codec import decode
+from bridge.wire.intake import Waiting
 from bridge.wire.limits import MESSAGE
 from bridge.wire.link import Link, open_session
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, Mode
@@ -34,6 +36,7 @@ SETTING, ANSWER = "parameters/set", "parameters/answer"  # JSON as text, both wa
 HEARD = tuple(topic.name for topic in TOPICS.values() if topic.publisher != "anybody")
 DIRECT = ("measurement", CHANNELS_TOPIC, COMMAND)  # passed on at once
 CLOCK_PERIOD = 10_000_000  # [ns] of simulated time, from one /clock to the next at least
+WAITING_ORDERS = 100  # settings that wait to be passed on; more are dropped
 PERIOD = 0.01  # [s] from look to look at what waits
 SETTLING = 0.5  # [s] that a node has to subscribe, too, once it publishes commands: only then the plant hears of it
 LEASE = 2.0  # [s] of our silence after which the plant gives us up: until then its last word may wait for us
@@ -70,11 +73,6 @@ class Outlet:
             self._sequence += 1
             self._publisher.put(payload, attachment=attached(self._sequence, time_ns, self._who))
 
-    def close(self) -> None:
-        """Leave the graph."""
-        self._publisher.undeclare()
-        self._token.undeclare()
-
 
 class RosBridge:
     """One rig among the nodes."""
@@ -89,7 +87,7 @@ class RosBridge:
         self.passed: Counter[str] = Counter()  # messages to the nodes, per topic
         self.taken: Counter[str] = Counter()  # messages from the nodes, per topic
         self._numbers = iter(range(1, 1 << 31))
-        self._orders: list[str] = []
+        self._orders = Waiting("order", bus.turned, WAITING_ORDERS)
         self._lock = threading.Lock()
         self._commanders: set[str] = set()  # tokens of nodes that publish commands
         self._come = 0.0  # when the first of them came [s, monotonic]
@@ -110,7 +108,7 @@ class RosBridge:
             self._hear(self._bus.session, f"{self._bus.rig_name}/{name}", self._passing(name, self._outlets[name]))
         self._subscription(COMMAND, type_of(COMMAND, self._layout), self._command)
         self._subscription(RESET, type_of(RESET, self._layout), lambda _: self._asking.reset())
-        self._subscription(SETTING, bridge_type(STRING), self._order)
+        self._subscription(SETTING, bridge_type(STRING), self._orders.put)
         watched = publishers_of(self.node.domain, f"{self._bus.rig_name}/{COMMAND}")
         handler = zenoh.handlers.Callback(self._commander, indirect=False)
         self._held.append(self._session.liveliness().declare_subscriber(watched, handler, history=True))
@@ -123,8 +121,8 @@ class RosBridge:
             for entry in self._inbox.take():
                 self._outlets[entry.topic].put(entry.data, entry.log_time)
                 self.passed[entry.topic] += 1
-            while self._orders:
-                self._answers.put(string(self._obeyed(self._orders.pop(0))), time.time_ns())
+            if not self._orders.empty():
+                self._answers.put(string(self._obeyed(self._orders.get())), time.time_ns())
 
     def _outlet(self, name: str, type_: Type, rooted: bool = False) -> Outlet:
         topic = name if rooted else f"{self._bus.rig_name}/{name}"
@@ -204,16 +202,10 @@ class RosBridge:
             self._present.undeclare()
             self._present = None
 
-    def _order(self, payload: bytes) -> None:
-        try:
-            self._orders.append(text_of(payload))
-        except ValueError as error:
-            self._orders.append(f"!{error}")
-
-    def _obeyed(self, text: str) -> str:
+    def _obeyed(self, payload: bytes) -> str:
         """What an order comes to, as JSON."""
         try:
-            wanted = json.loads(text)
+            wanted = parsed_json(text_of(payload))
             if not isinstance(wanted, dict):
                 raise ValueError('send {"set": {"controller.gain": "1.5 V/%"}}')
             return json.dumps(self._asking.order(SETTING, wanted))

@@ -10,17 +10,15 @@ from bridge.wire.channels import Layout
 from bridge.wire.codec import channels_hash, type_hash
 from bridge.wire.messages import CHANNELS_TOPIC, STANDARD_MESSAGES, TOPICS
 
+TIME = "builtin_interfaces/msg/Time"
 CLOCK, STRING = "rosgraph_msgs/msg/Clock", "std_msgs/msg/String"
 BRIDGE_MESSAGES = {CLOCK: "builtin_interfaces/Time clock\n", STRING: "string data\n"}
 
 
 def _store() -> Typestore:
-    store, types = Typestore(), {}
-    for name in ("builtin_interfaces/msg/Time",):
-        types |= get_types_from_msg(STANDARD_MESSAGES[name], name)
-    for name, text in BRIDGE_MESSAGES.items():
-        types |= get_types_from_msg(text, name)
-    store.register(types)
+    store = Typestore()
+    for name, text in {TIME: STANDARD_MESSAGES[TIME], **BRIDGE_MESSAGES}.items():
+        store.register(get_types_from_msg(text, name))
     return store
 
 
@@ -40,7 +38,7 @@ def bridge_type(name: str) -> Type:
 
 def clock(time_ns: int) -> bytes:
     """The message of `/clock`."""
-    time = STORE.types["builtin_interfaces/msg/Time"](sec=time_ns // 10**9, nanosec=time_ns % 10**9)
+    time = STORE.types[TIME](sec=time_ns // 10**9, nanosec=time_ns % 10**9)
     return bytes(STORE.serialize_cdr(STORE.types[CLOCK](clock=time), CLOCK))
 
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from bridge.recording.logs.headers import factor
 from bridge.recording.logs.map import COMMAND, REFERENCE
 from bridge.recording.logs.table import Column
+from twin.topology import CHANNELS
 
 PARTS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[äöüß]+", re.UNICODE)
 
@@ -18,11 +19,12 @@ class Sure(IntEnum):
     UNSURE = 0
     LIKELY = 1
     SURE = 2
+    OWN = 3  # it is named as we name it
 
     @property
     def word(self) -> str:
         """For people."""
-        return self.name.lower()
+        return min(self, Sure.SURE).name.lower()
 
 
 class Kind(NamedTuple):
@@ -72,6 +74,7 @@ KINDS = (  # in the order in which they are tried
     Kind("p2", PRESSURE, _words("cap kolbenseite bore head bottom boden"), _words("a pa")),
     Kind("p3", PRESSURE, _words("rod stange stangenseite ring ringseite annulus"), _words("b pb")),
 )
+BOOKKEEPING = _words("sequence seq counter index stamp timestamp tick ticks id zaehler zähler")  # never a signal
 SAID_PRESSURE = frozenset(("p", "pressure", "press", "druck"))  # where no unit says so
 
 
@@ -83,7 +86,12 @@ def parts_of(name: str) -> list[str]:
 def candidates(column: Column) -> list[tuple[str, Sure, str]]:
     """Signals that a column may be, the likeliest first, each with how sure that is and why."""
     si = factor(column.unit)[0] if column.unit else ""
+    group, _, own = column.name.partition(".")
+    if group == "measurement" and own in CHANNELS:
+        return [(own, Sure.OWN, "named as `hydrotwin export` does")]
     words = parts_of(_without_unit(column))
+    if BOOKKEEPING & set(words):
+        return []
     pairs = {a + b for a, b in pairwise(words)}
     found = []
     for kind in KINDS:
