@@ -70,4 +70,4 @@ def _if_alone(row: Any, name: str) -> str:
 
 def units_logged(message: Any) -> dict[str, str]:
     """The names of what a law logs, with their units."""
-    return dict(zip(message.names, message.units, strict=False))
+    return dict(zip(message.names, message.units, strict=True))

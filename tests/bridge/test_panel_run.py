@@ -15,7 +15,7 @@ from bridge.recording.entries import Entry
 from bridge.recording.manifest import manifest
 from bridge.scenario import Scenario, load
 from bridge.scenario.tunable import tunables
-from bridge.wire.codec import HEADER, encode
+from bridge.wire.codec import HEADER, Signals, encode
 from twin.estimation.hypotheses import Verdict
 from twin.estimation.quantities import Standing
 
@@ -116,6 +116,20 @@ def test_messages_of_another_run_and_of_other_lengths_are_left_out(scenario: Sce
     run = run_of(scenario, entries)
     part = run.take([row("state", 1), Entry("state", 0, 0, entries[0].data[:12] + b"short")])
     assert not any(part.values())
+
+
+def test_signals_are_shown_by_the_names_that_came_first(scenario: Scenario, entries: list[Entry]):
+    """Another controller that logs others, or none, does not end the panel."""
+    run = run_of(scenario, entries)
+
+    def logged(names: list[str], units: list[str]) -> Any:
+        head = {"run_id": run.rig.run_id, "source": 1, "sequence": 0, "stamp": 0}
+        message = Signals(**head, names=names, units=units, values=np.ones(len(names)))
+        return run.take([Entry("signals", 0, 0, encode(message))])["curves"]
+
+    assert logged([], []) == {}
+    assert logged(["force"], ["N"])["signals"]["v"] == {"signals.force": [1.0]}
+    assert logged(["other"], ["m"]) == {}
 
 
 def test_numbers_are_those_of_what_is_fitted_in_the_units_of_people(scenario: Scenario):
