@@ -23,6 +23,7 @@ from bridge.scenario.units import UNITS
 from controller.law import Sample
 from controller.laws import LAWS
 from controller.reference import Target
+from tests.bridge.test_c_law import page
 from tests.support.command import hydrotwin_here
 from tests.support.fmu import Opened, coupled, exported, opened, watched
 from twin.sensors import noise_block
@@ -200,11 +201,10 @@ def test_every_law_of_ours_has_its_text_in_c():
 @pytest.mark.parametrize(
     "kind",
     [
-        "pd",
         "state-space",
         *(
             pytest.param(k, marks=(pytest.mark.endurance, pytest.mark.timeout(60)))
-            for k in ("pid", "relay", "open-loop")
+            for k in ("pd", "pid", "relay", "open-loop")
         ),
     ],
 )
@@ -229,6 +229,35 @@ def test_a_law_in_c_answers_as_in_python(kind: str, tmp_path: Path):
             fmu.set("reference.velocity", target.velocity)
             fmu.step(k * 0.01, 0.01)
             assert fmu.get(["spool"]) == [wanted], k
+
+
+@pytest.mark.parametrize("version", ["2", pytest.param("3", marks=(pytest.mark.endurance, pytest.mark.timeout(60)))])
+def test_fmpy_couples_a_law_in_c_with_the_plant_as_run_does(
+    version: str, files: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The user's law of docs/running.md, exported from its C file; FMPy is the master, the bits are those of `run`."""
+    monkeypatch.chdir(tmp_path)
+    Path("law.c").write_text(page("c"))
+    Path("law.toml").write_text(page("toml"))
+    asked = load("law.toml", [*(change for change in CHANGES if change not in PID), "duration=0.4"])
+    run = run_in_memory(asked)
+    wanted = run.columns("reference")
+    targets = dict(zip(wanted["stamp"].tolist(), zip(wanted["position"], wanted["velocity"], strict=True), strict=True))
+    law_file = exported("controller", asked, version, tmp_path / "law.fmu")
+    with opened(files[f"plant{version}"]) as plant, opened(law_file) as law:
+        columns, rows = watched(plant, run), []
+        read = [name for name in law.at if name.startswith("measurement.")]
+        for tick in range(400):
+            told = dict(zip(read, plant.get(read), strict=True))
+            if (target := targets.get(tick * 1_000_000)) is not None:
+                told |= dict(zip(("reference.position", "reference.velocity"), target, strict=True))
+            for name, value in told.items():
+                law.set(name, value)
+            law.step(tick * 1e-3, 1e-3)
+            rows += stepped(plant, tick, tick + 1, {tick: law.get(["spool"])[0]}, *columns)
+    assert np.ptp(run.columns("state")["position"]) > 0.03
+    for column, (name, recorded) in zip(np.array(rows).T, columns.items(), strict=True):
+        assert np.array_equal(column, recorded[1:], equal_nan=True), name
 
 
 def test_units_are_taken_apart_into_those_of_the_si():

@@ -9,6 +9,7 @@ import pytest
 
 from bridge.errors import RunError, ScenarioError
 from bridge.recording.digest import digest
+from bridge.recording.reader import read
 from bridge.runs.in_process import record_in_process, run_in_memory
 from bridge.scenario import load
 from tests.bridge.test_fmu import pytestmark as pytestmark
@@ -108,12 +109,18 @@ def test_without_fmpy_one_sentence_says_what_to_install(monkeypatch: pytest.Monk
 
 @pytest.mark.endurance
 @pytest.mark.timeout(120)
-def test_in_lockstep_over_zenoh_the_data_are_those_of_one_process():
-    """Of the FMU of another tool, and of ours."""
-    ours = load("step", ["controller.kind=fmu", "controller.fmu=own2.fmu", "duration=0.3"])
-    for name, scenario in (("theirs", theirs()), ("ours", ours)):
-        alone = record_in_process(scenario, Path(f"{name}-alone.mcap"))
-        Path(f"{name}.json").write_text(scenario.model_dump_json())
-        done = hydrotwin("run", f"{name}.json", "--mode", "lockstep", "--record", f"{name}.mcap", cwd=Path.cwd())
-        assert done.returncode == 0, done.stderr
-        assert digest(Path(f"{name}.mcap")) == digest(alone.path)
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+@pytest.mark.parametrize("whose", ["ours", "theirs"])
+def test_over_zenoh_the_data_are_those_of_one_process(whose: str, mode: str):
+    """Of our FMU and of PythonFMU's; a good run, and in real time without a late command the same bytes."""
+    own = load("step", ["controller.kind=fmu", "controller.fmu=own2.fmu", "duration=2"])
+    scenario = {"ours": own, "theirs": theirs("duration=2")}[whose]
+    alone = record_in_process(scenario, Path(f"{whose}-alone.mcap"))
+    Path(f"{whose}.json").write_text(scenario.model_dump_json())
+    done = hydrotwin("run", f"{whose}.json", "--mode", mode, "--record", f"{whose}.mcap", cwd=Path.cwd())
+    assert done.returncode == 0, done.stderr
+    summary = read(Path(f"{whose}.mcap")).metadata["summary"]
+    print(whose, mode, summary["commands"], summary["timing"].get("round_trip"))
+    assert (summary["commands"]["refused"], summary["safe_states"]) == ({}, 0)
+    if not summary["commands"]["late"]:
+        assert digest(Path(f"{whose}.mcap")) == digest(alone.path)
