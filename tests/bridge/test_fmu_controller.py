@@ -6,6 +6,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from fmpy import read_model_description
 
 from bridge.errors import RunError, ScenarioError
 from bridge.recording.digest import digest
@@ -16,6 +17,8 @@ from tests.bridge.test_fmu import pytestmark as pytestmark
 from tests.support.fmu import exported
 from tests.support.processes import ROOT, hydrotwin
 
+REFERENCE = ROOT / "build" / "peers" / "Reference-FMUs"
+FEEDTHROUGH = REFERENCE / "2.0" / "Feedthrough.fmu"
 FOREIGN = ROOT / "tests/support/foreign_law_fmu.py"
 MAP = "controller.inputs={x='position in mm', x_ref='reference in mm', p='p2 in bar'}"
 THEIRS = ("controller.kind=fmu", "controller.fmu=ForeignLaw.fmu", "controller.output=u in V", MAP)
@@ -76,7 +79,7 @@ def test_an_fmu_of_another_tool_reads_its_units_and_writes_volts():
         (["controller.inputs.y=position"], "has no input 'y'"),
         (["controller.inputs.x=positon"], "reads the channel 'positon'"),
         (["controller.inputs.x=position in bar"], "unit 'bar' does not fit here"),
-        (["controller.output=v"], "has no output 'v' (valid: u)"),
+        (["controller.output=v"], "has no output 'v' that is a single number (valid: u)"),
         (["controller.output=u in mA"], "'mA' is not a unit of a spool reference: write 'u in V' or 'u in %'"),
         (["controller.parameters={k=1}"], "has no parameter of this name"),
     ],
@@ -101,10 +104,57 @@ def test_an_fmu_for_another_machine_says_so(folder: Path):
         run_in_memory(load("step", ["controller.kind=fmu", "controller.fmu=other.fmu"]))
 
 
+def test_an_array_is_no_spool_reference(folder: Path):
+    with zipfile.ZipFile("own3.fmu") as ours, zipfile.ZipFile("array.fmu", "w") as other:
+        for name in ours.namelist():
+            content = ours.read(name).decode("latin-1")
+            if name == "modelDescription.xml":
+                before, begin, after = content.partition('<Float64 name="spool"')
+                content = before + begin + after.replace("/>", '><Dimension start="2" /></Float64>', 1)
+            other.writestr(name, content.encode("latin-1"))
+    with pytest.raises(ScenarioError, match="has no output 'spool' that is a single number"):
+        run_in_memory(load("step", ["controller.kind=fmu", "controller.fmu=array.fmu"]))
+
+
 def test_without_fmpy_one_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "fmpy", None)
     with pytest.raises(ScenarioError, match=r"needs FMPy: pip install 'hydrotwin\[fmu\]'"):
         run_in_memory(theirs())
+
+
+@pytest.mark.skipif(not FEEDTHROUGH.is_file(), reason=f"unpack the FMI project's Reference FMUs into {REFERENCE}")
+def test_the_feedthrough_of_the_fmi_project_is_a_proportional_law():
+    """Numbers of every type go in; the output in % of an error in mm is a gain of 10 1/m."""
+    numbers = "Float64_discrete_input=0, Int32_input=3, Boolean_input=1, Enumeration_input=2"
+    own = [
+        "controller.kind=fmu",
+        f"controller.fmu={FEEDTHROUGH}",
+        f"controller.inputs={{Float64_continuous_input='error in mm', {numbers}}}",
+        "controller.output=Float64_continuous_output in %",
+    ]
+    short = ["duration=0.4", "reference.at=0.05"]
+    theirs = run_in_memory(load("step", [*own, *short])).columns("command")["spool"]
+    gains = ["controller.gain=10 1/m", "controller.derivative=0", "controller.compensate_overlap=false"]
+    ours = run_in_memory(load("step", [*gains, *short])).columns("command")["spool"]
+    assert max(theirs) > 0.3
+    assert theirs == pytest.approx(ours, abs=1e-9)  # rounding alone, over a run
+
+
+@pytest.mark.endurance
+@pytest.mark.timeout(120)
+@pytest.mark.skipif(not REFERENCE.is_dir(), reason=f"unpack the FMI project's Reference FMUs into {REFERENCE}")
+def test_each_fmu_of_the_fmi_project_runs_or_says_in_a_sentence_why_not():
+    found = {}
+    for path in sorted(REFERENCE.glob("[23].0/*.fmu")):
+        outputs = [v.name for v in read_model_description(path).modelVariables if v.causality == "output"]
+        changes = ["controller.kind=fmu", f"controller.fmu={path}", f"controller.output={outputs[0]}", "duration=0.3"]
+        try:
+            run_in_memory(load("step", changes))
+            found[path.parts[-2:]] = "runs"
+        except (ScenarioError, RunError) as error:
+            found[path.parts[-2:]] = str(error)
+        print(*path.parts[-2:], found[path.parts[-2:]])
+    assert all(words and "Traceback" not in words for words in found.values())
 
 
 @pytest.mark.endurance
