@@ -98,6 +98,25 @@ def test_a_first_minute(page: Any, tmp_path: Path):
         panel.wait(20.0)
 
 
+def test_a_follower_shows_what_it_estimates_until_it_leaves(page: Any, tmp_path: Path):
+    """A position within the stroke, closer than the transducer reads it; when it has left the page says so."""
+    with started("panel", "--scenario", "sine", *COARSE, *CALM, "--port", "0", "--no-open", cwd=tmp_path) as panel:
+        assert panel.stdout is not None
+        page.goto(panel.stdout.readline().split()[-1])
+        page.locator("#phase", has_text="running").wait_for()
+        page.click("#follow")
+        page.locator("#health", has_text="estimate: following").wait_for(timeout=2 * LONG)
+        page.locator("#timing", has_text="follower").wait_for()
+        row = page.locator("#health tr", has_text="position").inner_text()
+        print(row)
+        estimate, deviation, unit = re.search(r"([\d.]+) ± ([\d.]+) (\w+)", row).groups()  # pyright: ignore
+        assert unit == "mm"
+        assert 0.0 < float(estimate) < 270.0
+        assert 0.0 < float(deviation) < 2.0  # the transducer's resolution is 0.1 mm
+        page.click("#follow")
+        page.locator("#follower-gone", has_text="It is silent").wait_for()
+
+
 def test_a_phone_needs_no_sideways_scrolling(page: Any, tmp_path: Path):
     page.set_viewport_size({"width": 390, "height": 800})
     with started("panel", *COARSE, *CALM, "--port", "0", "--no-open", cwd=tmp_path) as panel:

@@ -2,6 +2,7 @@
 import { by, make, shown } from "./dom.js";
 
 const LONGEST = 200; // events in the page
+const SILENT = 3000; // [ms] after which a follower counts as gone
 const GOOD = { running: "good", degraded: "warn", safe: "bad", latched: "bad", failed: "bad" };
 const HINTS = { latched: "Latched: commands do not act until somebody presses Reset.", safe: "Safe: commands do not act; the next valid one, or Reset, ends it." };
 const ms = (seconds) => (seconds === undefined ? "–" : `${(1e3 * seconds).toFixed(2)} ms`);
@@ -10,7 +11,7 @@ function table(target, rows) {
   target.replaceChildren(...rows.map(([name, value, kind = ""]) => make("tr", { className: kind }, make("td", { textContent: name }), make("td", { textContent: value }))));
 }
 
-export function state(told, duration) {
+export function state(told) {
   const plant = told.status.plant;
   const phase = told.busy || (told.live ? (plant?.phase ?? "waiting") : (plant?.phase ?? "no run"));
   by("phase").textContent = told.live || told.busy || ["failed"].includes(phase) ? phase : "stopped";
@@ -18,7 +19,8 @@ export function state(told, duration) {
   by("clock").textContent = told.time ? `${told.time.toFixed(1)} s` : "";
   by("note").textContent = told.note || (told.live ? (HINTS[phase] ?? "") : "");
   timing(told, plant);
-  bands(told.bands, duration);
+  bands(told.bands);
+  by("follower-gone").hidden = performance.now() - estimated < SILENT;
 }
 
 function timing(told, plant) {
@@ -58,9 +60,11 @@ export function events(list, anew) {
 }
 
 let follower = {};
+let estimated = 0; // when it was heard last [ms]
 
 export function follow(estimate, health) {
   if (estimate === undefined && health === undefined) return;
+  estimated = performance.now();
   follower = { estimate: estimate ?? follower.estimate, health: health ?? follower.health };
   by("health-card").hidden = false;
   const parts = [];
