@@ -24,12 +24,40 @@ WINDOW = 1000  # readings of a channel that are judged together
 FEWEST = 50
 
 
+MOST_ALIKE = 0.9
+LEAST_SQUARE = 0.05  # of the mean square of innovations that a deviation is stated by
+
+
 class Verdict(NamedTuple):
     """Of a channel, over the window."""
 
     nis: float  # mean square of the whitened innovations, 1 as long as the model is right; NaN: too few
     whiteness: float  # their correlation from one to the next, 0 as long as it is right; NaN: too few
     readings: int
+
+    @property
+    def square(self) -> float:
+        """Mean square of as many innovations as are independent (Bayley, Hammersley 1946); NaN: too few."""
+        alike = min(max(self.whiteness, 0.0), MOST_ALIKE)
+        return self.nis * (1.0 + alike) / (1.0 - alike)
+
+
+def stated(spread: NDArray[np.float64], prior: NDArray[np.float64], square: float) -> NDArray[np.float64]:
+    """The deviation to be stated of quantities of which an ensemble has a spread, and had one before any reading.
+
+    square: mean square of the independent innovations, whitened. The errors that the filter allows its model are those
+    of a rig at the worst; how large they are on this one the innovations say, whose mean square is the factor by which
+    variances are too large: the variance of unit weight of an adjustment (Koch 1999, 3.2), of filters Mehra 1970.
+    What was known beforehand owes nothing to these errors, so only the information that has come since is scaled. A
+    square above 1 widens the whole.
+    """
+    if square >= 1.0:
+        return spread * math.sqrt(square)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        before = np.where(prior > 0.0, prior**-2.0, 0.0)
+        since = np.maximum(spread**-2.0 - before, 0.0)
+        found = (before + since / max(square, LEAST_SQUARE)) ** -0.5
+    return np.where(spread > 0.0, np.minimum(found, spread), 0.0)
 
 
 class Watch:

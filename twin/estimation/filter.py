@@ -14,7 +14,7 @@ from twin.circuit.block import compiled
 from twin.circuit.state import ENDS_AT, load, place_of, slots_of
 from twin.circuit.step import Circuit
 from twin.estimation.admissible import admit
-from twin.estimation.consistency import GATE, Verdict, Watch
+from twin.estimation.consistency import GATE, Verdict, Watch, stated
 from twin.estimation.draws import Draws, exact
 from twin.estimation.members import Members
 from twin.estimation.quantities import ESTIMATED, Standing, Use
@@ -163,11 +163,19 @@ class Filter:
             stamp,
             self.standing,
             dict(zip(names, values.tolist(), strict=True)),
-            dict(zip(names, found.std(axis=0, ddof=1).tolist(), strict=True)),
+            dict(zip(names, self._stated(found.std(axis=0, ddof=1)).tolist(), strict=True)),
             dict(zip(self.names, unknowns.mean(axis=0).tolist(), strict=True)),
             dict(zip(self.names, unknowns.std(axis=0, ddof=1).tolist(), strict=True)),
             {name: Innovation(*self._last[name], watch.use, watch.verdict()) for name, watch in self.watches.items()},
         )
+
+    def _stated(self, spread: Array) -> Array:
+        """Deviations by the spread of the members, and by how large the innovations are beside theirs."""
+        if self._prior is None:
+            self._prior = spread
+        squares = [watch.verdict().square for watch in self.watches.values() if watch.use is Use.USED]
+        known = [square for square in squares if not math.isnan(square)]
+        return stated(spread, self._prior, sum(known) / len(known) if known else 1.0)
 
     def forget(self) -> None:
         """Wait for a scan to begin with."""
@@ -177,6 +185,7 @@ class Filter:
         self._scans: list[tuple[Array, Array, Array]] = []
         self._age, self._since, self._square, self._calm, self._blind = 0.0, 0.0, 1.0, 0.0, 0.0
         self._settled = False
+        self._prior: Array | None = None  # spread of what is estimated before any reading counts
         self.standing = Standing.WAITING
 
     def _compile(self) -> None:
