@@ -4,7 +4,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from bridge.errors import UsageError, nearest
+from bridge.errors import UsageError, nearest, writing
 from bridge.figures.stability.damped import CHARTS
 
 if TYPE_CHECKING:
@@ -18,11 +18,14 @@ class Figure(NamedTuple):
     title: str
     source: str  # folder, file and function below this package
     of: str | None = None  # which of several that one function draws
+    is_kept: bool = False  # what has been computed, in a file, while it is not finished
 
-    def draw(self) -> "tuple[Columns, Sheet]":
-        """The table and the sheet."""
+    def draw(self, part: Path | None = None) -> "tuple[Columns, Sheet]":
+        """The table and the sheet; part: file of what an interrupted drawing had computed."""
         module, _, function = self.source.rpartition(".")
         drawing = getattr(import_module(f"bridge.figures.{module}"), function)
+        if self.is_kept:
+            return drawing(part)
         return drawing() if self.of is None else drawing(self.of)
 
 
@@ -73,9 +76,16 @@ _ALL = (
         for name, of in CHARTS.items()
     ),
     Figure("5.20", "Critical gain over the sampling interval, computed", "stability.edges.draw_computed"),
-    Figure("5.21", "Critical gain over the sampling interval, found on the twin", "stability.edges.draw_measured"),
+    Figure(
+        "5.21",
+        "Critical gain over the sampling interval, found on the twin",
+        "stability.edges.draw_measured",
+        is_kept=True,
+    ),
     Figure("areas", "Area of figures 5.8 to 5.19 by number of stable multipliers", "stability.charts.draw_areas"),
-    Figure("causes", "Why the twin and its linear theory disagree, by cause", "stability.causes.draw_causes"),
+    Figure(
+        "causes", "Why the twin and its linear theory disagree, by cause", "stability.causes.draw_causes", is_kept=True
+    ),
     Figure(
         "relay", "The relay's cycle on the rig, predicted and found on the twin", "stability.relay_loop.draw_relay_loop"
     ),
@@ -98,7 +108,7 @@ _ALL = (
 )
 
 
-LONG = ("5.21", "causes", "relay")  # a minute on two cores: hundreds of runs of the twin
+LONG = ("5.21", "causes", "relay")  # a minute on two cores and more: hundreds of runs of the twin
 
 
 MARKABLE = ("5.7", *CHARTS)
@@ -108,6 +118,7 @@ FIGURES: dict[str, Figure] = {figure.name: figure for figure in _ALL}
 def draw_figure(name: str, directory: str | Path, mark: str | None = None) -> tuple[Path, Path]:
     """Write NAME.png and NAME.csv into a directory, made if absent; returns both paths. UsageError: no such figure.
 
+    One of many runs of the twin keeps them in NAME.part meanwhile, and continues there after an interruption.
     mark: a scenario whose rig is marked on a stability chart.
     """
     if name not in FIGURES:
@@ -116,7 +127,11 @@ def draw_figure(name: str, directory: str | Path, mark: str | None = None) -> tu
 
     if mark is not None and name not in MARKABLE:
         raise UsageError(f"--mark {mark}: figure {name} is not a dimensionless chart; those are {', '.join(MARKABLE)}")
-    columns, sheet = FIGURES[name].draw()
+    figure = FIGURES[name]
+    if figure.is_kept:
+        with writing(Path(directory)):
+            Path(directory).mkdir(parents=True, exist_ok=True)
+    columns, sheet = figure.draw(Path(directory) / f"{name}.part")
     if mark is not None:
         from bridge.figures.stability.charts import add_mark
 

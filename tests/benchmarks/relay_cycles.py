@@ -14,7 +14,7 @@ from bridge.studies.stability.probe import stand_of
 from bridge.studies.stability.trial import trial
 from bridge.studies.stability.twin_edge import stepped
 from controller.stability.amplitude.swing import last_third
-from tests.benchmarks.swing_edges import DELAYS, MASSES, PERIODS, STEPS
+from tests.benchmarks.swing_edges.cases import DELAYS, MASSES, PERIODS, STEPS
 
 
 def main() -> None:

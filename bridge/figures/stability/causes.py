@@ -5,6 +5,7 @@ rests, or between slow motion up and down without a leak. Left over the sampling
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,9 +39,16 @@ SHOWN = {
 
 
 def causes(
-    places: Sequence[tuple[float, float]], cases: dict[str, list[str]], size: float = SIZE, crew: Crew = ALL_CORES
+    places: Sequence[tuple[float, float]],
+    cases: dict[str, list[str]],
+    size: float = SIZE,
+    part: Path | None = None,
+    crew: Crew = ALL_CORES,
 ) -> Columns:
-    """Critical gains [V/%] and frequencies [Hz], twin and theory, of each case at places (interval, delay) [s]."""
+    """Critical gains [V/%] and frequencies [Hz], twin and theory, of each case at places (interval, delay) [s].
+
+    part: file of what an interrupted call had found.
+    """
     scenario = rig()
     found: Columns = {
         "sampling interval [s]": np.array([interval for interval, _ in places]),
@@ -52,7 +60,7 @@ def causes(
         for interval, delay in places
         for point in edge_points([interval], [delay], [size], [case], 0.03)
     ]
-    edges = iter(measured_edges(scenario, points, "causes", crew=crew))
+    edges = iter(measured_edges(scenario, points, "causes", part, crew))
     for name in cases:
         rows = [next(edges) for _ in places]
         columns = zip(*(_numbers(row) for row in rows), strict=True)
@@ -72,11 +80,11 @@ def _numbers(edge: dict[str, Any]) -> tuple[float, float, float, float]:
     return volts_per_percent(critical, 0.27, 10.0), volts_per_percent(gain, 0.27, 10.0), frequency, expected[0][2]
 
 
-def draw_causes() -> tuple[Columns, Sheet]:
+def draw_causes(part: Path | None = None) -> tuple[Columns, Sheet]:
     """The figure."""
     cases = cases_of_causes()
     places = [(interval, 0.0) for interval in INTERVALS] + [(INTERVAL, delay) for delay in DELAYS[1:]]
-    columns = causes(places, cases)
+    columns = causes(places, cases, part=part)
     page, (left, right) = sheet("Critical gain of the twin over that of its own linear theory, by cause", 2)
     over = range(len(INTERVALS))
     late = [places.index((INTERVAL, delay)) for delay in DELAYS]

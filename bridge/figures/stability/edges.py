@@ -12,6 +12,7 @@ linear model, scaled by our stroke: without friction its edge is that of an oil 
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -108,15 +109,30 @@ def draw_computed() -> tuple[Columns, Sheet]:
 
 
 def measured(
-    intervals: Sequence[float], sizes: Sequence[float], scenario: Scenario, crew: Crew = ALL_CORES, late: float = 0.0
-) -> Columns:
+    intervals: Sequence[float],
+    scenario: Scenario,
+    cases: Sequence[tuple[float, Sequence[float]]],
+    part: Path | None = None,
+    crew: Crew = ALL_CORES,
+) -> list[Columns]:
     """Where the twin never, and where it always oscillates [V/%], and how fast [Hz]; one interval per row.
 
-    late: the delay in sampling intervals.
+    cases: a delay in sampling intervals and sizes of steps [m] each. part: file of what an interrupted call had found.
     """
-    points = [point for t in intervals for point in edge_points([t], [late * t], sizes, tolerance=0.03)]
-    found = measured_edges(scenario, points, "figure 5.21", crew=crew)
-    rows = [found[k : k + len(sizes)] for k in range(0, len(found), len(sizes))]
+    points = [
+        [point for t in intervals for point in edge_points([t], [late * t], sizes, tolerance=0.03)]
+        for late, sizes in cases
+    ]
+    found = iter(measured_edges(scenario, [point for one in points for point in one], "figure 5.21", part, crew))
+    return [
+        _columns(intervals, [[next(found) for _ in sizes] for _ in intervals], sizes, scenario) for _, sizes in cases
+    ]
+
+
+def _columns(
+    intervals: Sequence[float], rows: Sequence[Sequence[Any]], sizes: Sequence[float], scenario: Scenario
+) -> Columns:
+    """The table of one delay, from the edges of all steps at each interval."""
     stable = [min(_known(edge["stable"]) for edge in row) for row in rows]
     unstable = [max(_known(edge["unstable"]) for edge in row) for row in rows]
     columns: Columns = {
@@ -133,10 +149,10 @@ def measured(
     return columns
 
 
-def draw_measured() -> tuple[Columns, Sheet]:
+def draw_measured(part: Path | None = None) -> tuple[Columns, Sheet]:
     """Figure 5.21."""
     scenario = rig()
-    columns, late = measured(INTERVALS, SIZES, scenario), measured(INTERVALS, SIZES[:2], scenario, late=1.0)
+    columns, late = measured(INTERVALS, scenario, ((0.0, SIZES), (1.0, SIZES[:2])), part)
     times, low, high = list(columns.values())[:3]
     page, (left, right) = sheet("Critical gain over the sampling interval, found on the twin", 2)
     smooth = np.geomspace(SHORTEST, LONGEST, PLACES // 4)

@@ -39,7 +39,7 @@ from bridge.studies.stability.rig_loop import RigTiming, held_amplitude, margins
 from bridge.studies.stability.rig_plant import RigPlant, plants
 from bridge.studies.stability.sampled_law import FreeGain, free_gain
 from bridge.studies.stability.search import OUT_OF_TIME, Search
-from bridge.studies.stability.twin_loop import uncovered
+from bridge.studies.stability.twin_loop import runs_alone, uncovered
 from bridge.studies.stability.twin_range import search_of, twin_range, twin_wide_later
 from controller.law import volts_per_percent
 from controller.reference import evaluate
@@ -92,7 +92,7 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
         return _advise_relay(scenario, sizes)
     free = free_gain(scenario)
     search = search_of(scenario, room_for(scenario, sizes))
-    alone = bool(uncovered(scenario))
+    alone = runs_alone(scenario)
     found = twin_range(search, free.own, is_one_sided(scenario)) if alone else swing_range(scenario, search)
     own, suggested = gains_of(scenario), _suggestion(scenario, sizes, found, free, search)
     points, left_out = _linear(scenario)
@@ -119,9 +119,11 @@ def advise(scenario: Scenario, sizes: Sequence[float] = ASKED) -> Advice | Cycle
 
 def _runs_of_the_twin(scenario: Scenario, search: Search) -> list[str]:
     ended = [OUT_OF_TIME] if search.cut_short else []
-    if not (beyond := ", ".join(uncovered(scenario))):
+    if not runs_alone(scenario):
         return ended
-    return [f"by runs of the twin alone, one noise each: the reduced drive leaves out {beyond}", *ended]
+    beyond = ", ".join(uncovered(scenario))
+    why = f"leaves out {beyond}" if beyond else "takes as long where the law is asked so often"
+    return [f"by runs of the twin alone, one noise each: the reduced drive {why}", *ended]
 
 
 def _suggestion(
@@ -129,7 +131,7 @@ def _suggestion(
 ) -> Suggestion:
     """Half of the gain from which a motion swings widely; none where none does or all do."""
     gain = above_lower_edge(found.wide / GAIN_MARGIN, found)
-    if uncovered(scenario):
+    if runs_alone(scenario):
         later = twin_wide_later(scenario, search, gain)
     else:
         firsts = dict.fromkeys(both_ways(scenario, sizes), max(found.least, found.low) or LEAST * free.own)

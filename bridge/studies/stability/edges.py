@@ -29,7 +29,7 @@ def edge_of(point: Point, base: Mapping[str, Any]) -> dict[str, Any]:
     point: sample_period, delay, size of the step; causes, where only these are to act. base: the scenario's plain data.
     """
     scenario = placed(point, base)
-    theory = theory_edges(plants(scenario), timing_of(scenario), gains(scenario).derivative)
+    theory = _theory(scenario)
     least = min(gain for gain, _, _ in theory.values())
     first = theory.get("rest", [least])[0]
     try:
@@ -37,6 +37,18 @@ def edge_of(point: Point, base: Mapping[str, Any]) -> dict[str, Any]:
     except ValueError as error:
         found = {"stable": None, "unstable": None, "frequency": None, "amplitude": None, "why": str(error)}
     return {"theory": theory, **found}
+
+
+def _theory(scenario: Scenario) -> dict[str, list[Any]]:
+    """The theory's edges, kept since the steps at one interval have the same."""
+    key = f"{scenario.rig!r} {scenario.start!r} {scenario.loop!r} {scenario.controller!r}"
+    if key not in _KEPT:
+        _KEPT.clear()
+        _KEPT[key] = theory_edges(plants(scenario), timing_of(scenario), gains(scenario).derivative)
+    return _KEPT[key]
+
+
+_KEPT: dict[str, dict[str, list[Any]]] = {}
 
 
 def placed(point: Point, base: Mapping[str, Any]) -> Scenario:

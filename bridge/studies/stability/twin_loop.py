@@ -1,4 +1,4 @@
-"""The loop of a drive that the reduced drive does not cover: runs of the twin itself take its place.
+"""The loop where the reduced drive leaves something out, or is no quicker: runs of the twin itself take its place.
 
 Each run is that of `twin_edge`, 20 s or more with one noise of the card, so an edge has no interval of its own but what
 the search and `WIDER` leave; `twin_range` looks for edges with few of them, in a bounded time.
@@ -8,10 +8,12 @@ from typing import NamedTuple
 
 from bridge.scenario import Scenario
 from bridge.studies.stability.probe import stand_of
+from bridge.studies.stability.sampled_law import is_asked
 from bridge.studies.stability.trial import Stand
 from bridge.studies.stability.twin_edge import twin_swing
 from controller.stability.amplitude.swing import Swing
 
+OFTEN = 5e-3  # [s], a sampling period up to which a law that is asked takes as long in the reduced drive as in the twin
 UNCOVERED = {  # part and word of the rig, and the values that the reduced drive covers
     ("accumulator", "kind"): ("none",),
     ("valve", "kind"): ("proportional", "switching"),
@@ -43,6 +45,11 @@ def uncovered(scenario: Scenario) -> list[str]:
         for (part, name), covered in UNCOVERED.items()
         if rig[part][name] not in covered
     ]
+
+
+def runs_alone(scenario: Scenario) -> bool:
+    """Does the twin alone answer, since the reduced drive leaves something out, or takes as long?"""
+    return bool(uncovered(scenario)) or (is_asked(scenario) and scenario.loop.sample_period <= OFTEN)
 
 
 def twin_loop(scenario: Scenario) -> TwinLoop:

@@ -1,9 +1,10 @@
 """Which gains settle, where each run is one of the twin: a few gains with all steps at each, in a bounded time.
 
-The gains form a ladder, by RUNG from the scenario's own. It goes down until IN_A_ROW of them settle, then up: by two
-rungs while all settle, back to the one between where some swing, on until all swing by more than WIDE. From the first
-rung that swings on each step is scanned, and what swings below the band that settles; the gain from which any swings by
-more than WIDE is bisected. When the time is up, what is known then is the answer: with wider intervals, and less of it.
+The gains form a ladder, by RUNG from the scenario's own. It goes down until IN_A_ROW of them settle, then up until some
+swing: by two rungs while all settle, back to the one between where some do not. From the first rung that swings on each
+step is scanned, and what swings below the band that settles. Then the ladder goes on until all swing by more than WIDE;
+the gain from which any does is bisected. When the time is up, what is known then is the answer: with wider intervals,
+and less of it.
 """
 
 import math
@@ -11,12 +12,23 @@ import time
 from collections.abc import Callable, Sequence
 
 from bridge.scenario import Scenario
-from bridge.studies.stability.amplitude import ROUGHLY, PictureRow, SwingRange, loop_of, outlook, picture_row, swing
+from bridge.studies.stability.amplitude import (
+    ROUGHLY,
+    PictureRow,
+    SwingRange,
+    is_one_sided,
+    loop_of,
+    outlook,
+    picture_row,
+    scans_of,
+    swing,
+)
 from bridge.studies.stability.sampled_law import free_gain
 from bridge.studies.stability.search import LONGEST, WORK, Deadline, Search
-from bridge.studies.stability.twin_loop import twin_loop, uncovered
+from bridge.studies.stability.twin_loop import runs_alone, twin_loop
 from controller.stability.amplitude.band import LEAST, Outlook, band_among
-from controller.stability.amplitude.swing import LARGEST, WIDE
+from controller.stability.amplitude.gain_scan import Scanned
+from controller.stability.amplitude.swing import LARGEST, WIDE, Swing
 
 IN_A_ROW = 2  # rungs that settle, on the way down
 RUNG, TOLERANCE, MOST = 1.6, 1.06, 300.0  # from gain to gain, of what is bisected, and over the own gain
@@ -28,22 +40,35 @@ def search_of(scenario: Scenario, sizes: Sequence[float]) -> Search:
     search = Search(twin_loop(scenario), sizes, Deadline())
     own = free_gain(scenario).own
     search.at(own, sizes[:1])
-    if not uncovered(scenario):
+    if not runs_alone(scenario):
         swing(loop_of(scenario), own, sizes[0])
     search.until = Deadline(time.process_time() + WORK, time.monotonic() + LONGEST)
     return search
 
 
+def scans(scenario: Scenario, search: Search) -> list[Scanned]:
+    """The band of each step of a search, whoever says where to look."""
+    own, one_sided = free_gain(scenario).own, is_one_sided(scenario)
+    return _scans(search, own, one_sided) if runs_alone(scenario) else scans_of(scenario, loop_of(scenario), search)
+
+
 def twin_range(search: Search, own: float, one_sided: bool) -> SwingRange:
     """Which gains settle after the steps of a search; one_sided: a gain can only be too high."""
-    _ladder(search, own, one_sided)
-    steps = search.scans({size: _outlook(search, size, own, one_sided) for size in search.sizes})
+    steps = _scans(search, own, one_sided)
+    _raise(search, own, one_sided, lambda swings: all(swing.peak_to_peak > WIDE for swing in swings))
     least = max(step.beneath[1] for step in steps)
     low, high = min(step.low for step in steps), max(step.swings_from for step in steps)
     rungs = [gain for gain in search.rungs if gain >= least]
     wide = _bisected(search, rungs, WIDE) / ROUGHLY if math.isfinite(low) else math.inf
     rows = tuple(_rows(search, rungs, own)) if math.isfinite(low) else ()
     return SwingRange(least, low, high, wide, tuple(steps), rows)
+
+
+def _scans(search: Search, own: float, one_sided: bool) -> list[Scanned]:
+    """The scan of each step, from a ladder down to what settles and up to what swings."""
+    _lower(search, own)
+    _raise(search, own, one_sided, lambda swings: any(swing.counts for swing in swings))
+    return search.scans({size: _outlook(search, size, own, one_sided) for size in search.sizes})
 
 
 def _outlook(search: Search, size: float, own: float, one_sided: bool) -> Outlook:
@@ -54,14 +79,19 @@ def _outlook(search: Search, size: float, own: float, one_sided: bool) -> Outloo
     return outlook(min(louder, default=own), band, one_sided, None)
 
 
-def _ladder(search: Search, own: float, one_sided: bool) -> None:
-    """Run the rungs that matter, all steps at each; upwards past what swings below a band."""
+def _lower(search: Search, own: float) -> None:
+    """Run the rungs from the own one down, all steps at each, until IN_A_ROW settle."""
     gain, quiet = own, 0
     while quiet < IN_A_ROW and gain > LEAST * own and not search.late():
         quiet = 0 if search.any_beyond(gain, LARGEST) else quiet + 1
         gain /= RUNG
-    rung, below = 0, not (one_sided or quiet)
-    while RUNG**rung < MOST and (below or not all(s.peak_to_peak > WIDE for s in search.at(own * RUNG**rung))):
+
+
+def _raise(search: Search, own: float, one_sided: bool, enough: Callable[[Sequence[Swing]], bool]) -> None:
+    """Run the rungs from the own one up until what they do is enough; past what swings below a band."""
+    down = [gain for gain in search.rungs if gain <= own]
+    rung, below = 0, not one_sided and search.any_beyond(down[0] if down else own, LARGEST)
+    while RUNG**rung < MOST and (below or not enough(search.at(own * RUNG**rung))):
         if search.late():
             return
         calm = not search.any_beyond(own * RUNG**rung, LARGEST)

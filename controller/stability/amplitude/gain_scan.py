@@ -6,8 +6,9 @@ the lowest that is known to swing, with a quiet one a rung further down, and COA
 that gain, or up to FURTHER where most of them settle. A scan still misses single gains that swing, so the interval
 also holds what the edges of some noises of a cheaper model say, and gains whose swing is marginal.
 
-Where small gains swing, too, all this is done above a gain inside the band that settles, and the edge below the band
-is sought from there downwards: COARSE apart over a rung above the greatest gain that is known to swing there.
+Where small gains swing, too, the band is the widest stretch between two gains that swing. Its widest gap is
+halved until all are COARSE, since any gain in it that swings makes it narrower and may leave another stretch the
+widest. Then its upper edge is looked at as above.
 """
 
 import math
@@ -24,11 +25,10 @@ FINE, COARSE = RUNG**0.125, RUNG**0.25
 QUIET = RUNG**2  # below the lowest that swings, how far is scanned
 COVER, FURTHER = 2.0, 3.0  # above it
 MOSTLY = 0.7  # share of the gains up to COVER, of those that settle
-SHARP, RAGGED, SCATTERED = 1.08, 1.1, 1.4  # below the lowest that swings, where the interval begins
+CLOSE, SHARP, RAGGED, SCATTERED = 1.12, 1.15, 1.25, 1.4  # below the lowest that swings, where the interval begins
 ABOVE, BEYOND = 1.15, 1.1  # above it at least, and above the loudest that settles
-WIDE_ENOUGH = 1.6  # from the first to the last gain that settles: of such stretches the nearest is the band
 OUTWARDS = 12  # gains on either side of one that should settle and does not, RUNG**0.5 apart
-DEEPER, HIGHER = 1.3, 1.1  # below the greatest gain that swings under the band, and above it, its interval
+DEEPER, HIGHER = 1.25, 1.25  # below the greatest gain that swings under the band, and above it, its interval
 ROUNDING = 1.0 + 1e-9
 Runs = Mapping[float, Swing]  # by gain
 
@@ -56,8 +56,7 @@ class Scanned(NamedTuple):
 def next_gain(runs: Runs, look: Outlook) -> float | None:
     """Where to run next; None: enough is known.
 
-    First roughly on both sides of the lowest that swings, so that a search that is cut short knows both, then below the
-    band, then finely.
+    First roughly on both sides of the lowest that swings, so that a search that is cut short knows both, then finely.
     """
     if look.near not in runs:
         return look.near
@@ -68,26 +67,32 @@ def next_gain(runs: Runs, look: Outlook) -> float | None:
     lowest, least = lowest_swinging(above), min(above, default=look.near)
     if math.isinf(lowest):
         louder = max(above, default=look.near) * RUNG
-        return louder if louder <= look.near * MOST else _lower(runs, base, math.inf)
+        return louder if louder <= look.near * MOST else _filled(runs, base, math.inf)
     if not base and least * QUIET > lowest * ROUNDING and least / RUNG > floor:
         return least / RUNG
     if look.below and all(swing.counts for swing in runs.values()):
         return _widest_gap(runs)
-    rough = _between(above, lowest, RUNG, COARSE) or _lower(runs, base, lowest) or _louder(above, lowest)
-    return rough or _between(above, lowest, RUNG, FINE) or _lower(runs, base, lowest, RUNG)
+    rough = _filled(runs, base, lowest) or _between(above, lowest, RUNG, COARSE) or _louder(above, lowest)
+    return rough or _between(above, lowest, RUNG, FINE)
 
 
 def base_of(runs: Runs, look: Outlook) -> float:
     """A gain that settles between the lower edge and the upper one; 0.0: no lower edge is known."""
     if not look.inside and not (look.below in runs and runs[look.below].counts):
         return 0.0
-    about, above = look.inside or look.near, 0.0 if look.inside else look.below
-    stretches = [(gains[0], gains[-1], gains) for gains in _in_a_row(runs, swinging=False) if gains[0] > above]
-    widest = min(stretches, key=lambda s: (-min(s[1] / s[0], WIDE_ENOUGH), abs(math.log(s[0] / about))), default=None)
-    if widest is None:
-        return 0.0
-    low, high, gains = widest
-    return min(gains, key=lambda gain: abs(math.log(gain * gain / (low * high))))
+    above = 0.0 if look.inside else look.below
+    low, high = max(_stretches(runs, above), key=lambda ends: ends[1] / ends[0], default=(0.0, 0.0))
+    settling = [gain for gain in runs if low < gain < high]
+    return min(settling, key=lambda gain: abs(math.log(gain * gain / (low * high))), default=0.0)
+
+
+def _stretches(runs: Runs, above: float) -> Iterator[tuple[float, float]]:
+    """Neighbouring gains that swing, with some between them that settle; the least and greatest run count as such."""
+    ends = sorted({min(runs), max(runs), *(gain for gain, swing in runs.items() if swing.counts)})
+    for low, high in pairwise(ends):
+        first, last = low if runs[low].counts else low / ROUNDING, high if runs[high].counts else high * ROUNDING
+        if any(max(first, above) < gain < last and not runs[gain].counts for gain in runs):
+            yield first, last
 
 
 def runs_above(runs: Runs, base: float, look: Outlook) -> Runs:
@@ -120,14 +125,13 @@ def _widest_gap(runs: Runs) -> float | None:
     return math.sqrt(low * high) if high > low * QUIET else None
 
 
-def _lower(runs: Runs, base: float, lowest: float, reach: float = 1.0) -> float | None:
-    """The middle of a gap inside the band, from the greatest gain that swings below it on; finely within its reach."""
+def _filled(runs: Runs, base: float, lowest: float) -> float | None:
+    """The middle of the widest gap inside the band, from the greatest gain that swings below it on."""
     if not (greatest := _greatest_below(runs, base)):
         return None
     gains = sorted(gain for gain in runs if greatest <= gain <= lowest)
-    fine = greatest * reach
-    wide = [(a, b) for a, b in pairwise(gains) if b > a * (COARSE if a <= fine else RUNG) * ROUNDING]
-    return math.sqrt(math.prod(wide[0])) if wide else None
+    low, high = max(pairwise(gains), key=lambda pair: pair[1] / pair[0], default=(1.0, 1.0))
+    return math.sqrt(low * high) if high > low * COARSE * ROUNDING else None
 
 
 def _greatest_below(runs: Runs, base: float) -> float:
@@ -200,7 +204,8 @@ def _beneath(runs: Runs, base: float) -> tuple[float, float]:
 def _interval(runs: Runs) -> tuple[float, float]:
     """Where any search for the edge is expected to end.
 
-    The loudest gain that settles bounds it, but it spans no more than COVER unless most of the gains settle there.
+    The loudest gain that settles bounds it, but it spans no more than COVER unless most of the gains settle there: then
+    it begins less far below the lowest that swings.
     """
     lowest, scattered = lowest_swinging(runs), mostly_settling(runs)
     if math.isinf(lowest):
@@ -209,9 +214,11 @@ def _interval(runs: Runs) -> tuple[float, float]:
     settling = [gain for gain, swing in runs.items() if lowest < gain <= top and not swing.counts]
     if not settling:
         return _low(runs, lowest, SHARP), ABOVE * lowest
-    low = _low(runs, lowest, SCATTERED if scattered else RAGGED)
     high = max(BEYOND * max(settling), ABOVE * lowest)
-    return low, high if scattered else min(high, COVER * lowest / RAGGED)
+    if scattered:
+        return _low(runs, lowest, SCATTERED), high
+    low = _low(runs, lowest, min(RAGGED, max(CLOSE, COVER * lowest / high)))
+    return low, min(high, COVER * lowest / CLOSE)
 
 
 def _widened(low: float, high: float, runs: Runs, expected: Interval) -> tuple[float, float]:
