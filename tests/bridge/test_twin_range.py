@@ -7,7 +7,7 @@ import pytest
 
 from bridge.studies.stability.search import Deadline, Search
 from bridge.studies.stability.twin_range import TOLERANCE, _descended, twin_range
-from controller.stability.amplitude.gain_scan import ABOVE, FINE, SHARP
+from controller.stability.amplitude.gain_scan import ABOVE, COARSE, FINE, HIGHER, SHARP
 from controller.stability.amplitude.swing import LARGEST, WIDE, Swing
 
 SIZES = (2e-3, -2e-3, 20e-3, -20e-3, 60e-3, -60e-3)
@@ -59,7 +59,7 @@ class WithLowerEdge(Known):
 def test_a_band_is_found_between_its_edges(own):
     """From below, inside and above it."""
     found = twin_range(searched(WithLowerEdge(dict.fromkeys(SIZES, 17.0), 1.8), Deadline()), own, one_sided=False)
-    assert 5.0 <= found.least <= 5.0 * 1.15
+    assert 5.0 <= found.least <= 5.0 * HIGHER * COARSE
     assert found.low <= 17.0 <= found.high
     assert found.wide * 1.15 == pytest.approx(1.8 * 17.0, rel=TOLERANCE - 1.0)
     assert all(step.beneath[0] <= 5.0 <= step.beneath[1] for step in found.steps)
