@@ -72,11 +72,11 @@ def _scans(search: Search, own: float, one_sided: bool) -> list[Scanned]:
 
 
 def _outlook(search: Search, size: float, own: float, one_sided: bool) -> Outlook:
-    """Where the scan of a step begins: the next rung above the band that the ladder has."""
+    """Where the scan of a step begins: the next rung above the band that swings, or the last one."""
     runs = {gain: not swing.counts for gain, swing in search.runs_of(size).items()}
     band = band_among(runs, own)
     louder = [gain for gain, settles in runs.items() if band and gain > band.top and not settles]
-    return outlook(min(louder, default=own), band, one_sided, None)
+    return outlook(min(louder, default=max(runs) if band else own), band, one_sided, None)
 
 
 def _lower(search: Search, own: float) -> None:

@@ -6,9 +6,9 @@ the lowest that is known to swing, with a quiet one a rung further down, and COA
 that gain, or up to FURTHER where most of them settle. A scan still misses single gains that swing, so the interval
 also holds what the edges of some noises of a cheaper model say, and gains whose swing is marginal.
 
-Where small gains swing, too, the band is the widest stretch between two gains that swing. Its widest gap is
-halved until all are COARSE, since any gain in it that swings makes it narrower and may leave another stretch the
-widest. Then its upper edge is looked at as above.
+Where small gains swing, too, the band is the widest stretch between two gains that swing. Its widest gap is halved
+until all are COARSE near its edges and twice as much in its middle, since any gain in it that swings makes it narrower
+and may leave another stretch the widest. Then its upper edge is looked at as above.
 """
 
 import math
@@ -126,12 +126,17 @@ def _widest_gap(runs: Runs) -> float | None:
 
 
 def _filled(runs: Runs, base: float, lowest: float) -> float | None:
-    """The middle of the widest gap inside the band, from the greatest gain that swings below it on."""
+    """The middle of the widest gap inside the band; one near an edge counts twice, so these are filled first."""
     if not (greatest := _greatest_below(runs, base)):
         return None
-    gains = sorted(gain for gain in runs if greatest <= gain <= lowest)
-    low, high = max(pairwise(gains), key=lambda pair: pair[1] / pair[0], default=(1.0, 1.0))
-    return math.sqrt(low * high) if high > low * COARSE * ROUNDING else None
+
+    def weight(gap: tuple[float, float]) -> float:
+        low, high = gap
+        return math.log(high / low) * (2.0 if high * QUIET > lowest or low < greatest * RUNG else 1.0)
+
+    gaps = pairwise(sorted(gain for gain in runs if greatest <= gain <= lowest))
+    widest = max(gaps, key=weight, default=(1.0, 1.0))
+    return math.sqrt(math.prod(widest)) if weight(widest) > 2.0 * math.log(COARSE * ROUNDING) else None
 
 
 def _greatest_below(runs: Runs, base: float) -> float:
