@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bridge.figures.stability import charts
+from bridge.figures.stability import edges as figure_edges
 from bridge.figures.stability.charts import (
     CHARTS,
     CURVES,
@@ -16,6 +17,9 @@ from bridge.figures.stability.charts import (
     middles,
     shares,
 )
+from bridge.studies.stability import edges
+from bridge.studies.stability.probe import TwinEdge
+from bridge.studies.sweep.engine import HERE
 from controller.stability import Timing, is_stable, linear_actuator, loop_onset, monodromy, multipliers, sampled_loop
 
 TAU, S = middles(20.0), middles(5.0)
@@ -110,3 +114,42 @@ def test_a_chart_with_damping_lacks_no_edge(name: str):
     across, up = (np.argwhere(np.diff(stable, axis=axis))[:, ::-1] for axis in (1, 0))
     borders = np.concatenate([across + np.array([1.0, 0.5]), up + np.array([0.5, 1.0])])
     assert max(np.abs(drawn - border).max(axis=1).min() for border in borders) < 1.5
+
+
+def test_an_interrupted_figure_of_measured_edges_continues(tmp_path, monkeypatch):
+    """Of six edges that cost nothing the fourth is interrupted: the second call asks for three and sorts all."""
+    asked = []
+
+    def found(point, base):
+        asked.append(point)
+        if len(asked) == 4:
+            raise KeyboardInterrupt
+        gain = 1.0 + point["sample_period"] + 10.0 * point["delay"] + 100.0 * point["size"]
+        return {"stable": gain, "unstable": gain, "frequency": 1.0}
+
+    monkeypatch.setattr(edges, "edge_of", found)
+    scenario, part = figure_edges.rig(), tmp_path / "5.21.part"
+    cases = ((0.0, (2e-3, 20e-3)), (1.0, (2e-3,)))
+    with pytest.raises(KeyboardInterrupt):
+        figure_edges.measured((0.1, 0.2), scenario, cases, part, HERE)
+    assert part.is_file()
+    now, late = figure_edges.measured((0.1, 0.2), scenario, cases, part, HERE)
+    assert len(asked) == 7
+    assert not part.exists()
+    unit = figure_edges.volts(1.0, scenario)
+    assert now["step of +20 mm: critical gain [V/%]"] == pytest.approx([3.1 * unit, 3.2 * unit])
+    assert now["never oscillates below [V/%]"] == pytest.approx([1.3 * unit, 1.4 * unit])
+    assert late["always oscillates above [V/%]"] == pytest.approx([2.3 * unit, 3.4 * unit])
+
+
+def test_steps_at_one_interval_share_their_theory(monkeypatch):
+    """It is computed for two intervals, not for four edges."""
+    counted = []
+    monkeypatch.setattr(edges, "at_rest", lambda scenario: scenario)
+    monkeypatch.setattr(edges, "plants", lambda scenario: counted.append(scenario.loop.sample_period) or {})
+    monkeypatch.setattr(edges, "theory_edges", lambda *_: {"rest": [1.0, "flip", 5.0]})
+    monkeypatch.setattr(edges, "critical_gain", lambda *_: TwinEdge(1.0, 1.0, 5.0, 1e-3))
+    base = figure_edges.rig().model_dump(mode="json")
+    for point in edges.edge_points([0.3, 0.4], sizes=(2e-3, -2e-3)):
+        assert edges.edge_of(point, base)["theory"] == {"rest": [1.0, "flip", 5.0]}
+    assert counted == [0.3, 0.4]

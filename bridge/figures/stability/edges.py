@@ -62,7 +62,7 @@ def computed(intervals: Array, scenario: Scenario, late: float = 0.0) -> dict[st
     rows = [theory_edges(found, timing._replace(period=t, delay=late * t), 0.0) for t in intervals.tolist()]
     return {
         name: (
-            np.array([_volts(row[name][0], scenario) for row in rows]),
+            np.array([volts(row[name][0], scenario) for row in rows]),
             np.array([row[name][2] for row in rows]),
         )
         for name in POINTS
@@ -137,13 +137,13 @@ def _columns(
     unstable = [max(_known(edge["unstable"]) for edge in row) for row in rows]
     columns: Columns = {
         "sampling interval [s]": np.array(intervals),
-        "never oscillates below [V/%]": np.array([_volts(g, scenario) for g in stable]),
-        "always oscillates above [V/%]": np.array([_volts(g, scenario) for g in unstable]),
+        "never oscillates below [V/%]": np.array([volts(g, scenario) for g in stable]),
+        "always oscillates above [V/%]": np.array([volts(g, scenario) for g in unstable]),
     }
     for i, size in enumerate(sizes):
         name = f"step of {size * 1e3:+g} mm"
         columns[f"{name}: critical gain [V/%]"] = np.array(
-            [_volts(np.sqrt(_known(row[i]["stable"]) * _known(row[i]["unstable"])), scenario) for row in rows]
+            [volts(np.sqrt(_known(row[i]["stable"]) * _known(row[i]["unstable"])), scenario) for row in rows]
         )
         columns[f"{name}: frequency [Hz]"] = np.array([_known(row[i]["frequency"]) for row in rows])
     return columns
@@ -208,5 +208,6 @@ def _known(value: float | None) -> float:
     return float("nan") if value is None else float(value)
 
 
-def _volts(gain: float, scenario: Scenario) -> float:
+def volts(gain: float, scenario: Scenario) -> float:
+    """A gain [1/m] in V/%."""
     return volts_per_percent(float(gain), scenario.rig.cylinder.stroke, scenario.rig.valve.full_scale)
