@@ -49,13 +49,16 @@ def search_of(scenario: Scenario, sizes: Sequence[float]) -> Search:
 def scans(scenario: Scenario, search: Search) -> list[Scanned]:
     """The band of each step of a search, whoever says where to look."""
     own, one_sided = free_gain(scenario).own, is_one_sided(scenario)
-    return _scans(search, own, one_sided) if runs_alone(scenario) else scans_of(scenario, loop_of(scenario), search)
+    if not runs_alone(scenario):
+        return scans_of(scenario, loop_of(scenario), search)
+    return _scans(search, own, one_sided, _lowered(search, own, one_sided))
 
 
 def twin_range(search: Search, own: float, one_sided: bool) -> SwingRange:
     """Which gains settle after the steps of a search; one_sided: a gain can only be too high."""
-    steps = _scans(search, own, one_sided)
-    _raise(search, own, one_sided, lambda swings: all(swing.peak_to_peak > WIDE for swing in swings))
+    below = _lowered(search, own, one_sided)
+    steps = _scans(search, own, one_sided, below)
+    _raise(search, own, below, lambda swings: all(swing.peak_to_peak > WIDE for swing in swings))
     least = max(step.beneath[1] for step in steps)
     low, high = min(step.low for step in steps), max(step.swings_from for step in steps)
     rungs = [gain for gain in search.rungs if gain >= least]
@@ -64,10 +67,9 @@ def twin_range(search: Search, own: float, one_sided: bool) -> SwingRange:
     return SwingRange(least, low, high, wide, tuple(steps), rows)
 
 
-def _scans(search: Search, own: float, one_sided: bool) -> list[Scanned]:
-    """The scan of each step, from a ladder down to what settles and up to what swings."""
-    _lower(search, own)
-    _raise(search, own, one_sided, lambda swings: any(swing.counts for swing in swings))
+def _scans(search: Search, own: float, one_sided: bool, below: bool) -> list[Scanned]:
+    """The scan of each step, from the first rung up that any swings at."""
+    _raise(search, own, below, lambda swings: any(swing.counts for swing in swings))
     return search.scans({size: _outlook(search, size, own, one_sided) for size in search.sizes})
 
 
@@ -79,18 +81,18 @@ def _outlook(search: Search, size: float, own: float, one_sided: bool) -> Outloo
     return outlook(min(louder, default=max(runs) if band else own), band, one_sided, None)
 
 
-def _lower(search: Search, own: float) -> None:
-    """Run the rungs from the own one down, all steps at each, until IN_A_ROW settle."""
+def _lowered(search: Search, own: float, one_sided: bool) -> bool:
+    """Run the rungs from the own one down, all steps at each, until IN_A_ROW settle; does the last still swing?"""
     gain, quiet = own, 0
     while quiet < IN_A_ROW and gain > LEAST * own and not search.late():
         quiet = 0 if search.any_beyond(gain, LARGEST) else quiet + 1
         gain /= RUNG
+    return not (one_sided or quiet)
 
 
-def _raise(search: Search, own: float, one_sided: bool, enough: Callable[[Sequence[Swing]], bool]) -> None:
-    """Run the rungs from the own one up until what they do is enough; past what swings below a band."""
-    down = [gain for gain in search.rungs if gain <= own]
-    rung, below = 0, not one_sided and search.any_beyond(down[0] if down else own, LARGEST)
+def _raise(search: Search, own: float, below: bool, enough: Callable[[Sequence[Swing]], bool]) -> None:
+    """Run the rungs from the own one up until what they do is enough; past what swings below a band, if any does."""
+    rung = 0
     while RUNG**rung < MOST and (below or not enough(search.at(own * RUNG**rung))):
         if search.late():
             return
