@@ -198,12 +198,14 @@ def _with_marginal(low: float, high: float, runs: Runs) -> tuple[float, float]:
 
 
 def _beneath(runs: Runs, base: float) -> tuple[float, float]:
-    """Where a search downwards from the band is expected to end; 0.0: nowhere."""
+    """Where a search downwards from the band is expected to end, within a factor of COVER where gains are near enough."""
     if not (greatest := _greatest_below(runs, base)):
         return 0.0, 0.0
     settles = min(gain for gain in runs if gain > greatest)
     marginal = [gain for gain, swing in runs.items() if swing.is_marginal and greatest / COVER < gain <= base]
-    return min([greatest / DEEPER, *marginal]), max([settles, *(gain * HIGHER for gain in (greatest, *marginal))])
+    louder = max(gain * HIGHER for gain in (greatest, *marginal))
+    high = max(settles, min(louder, COVER * greatest / DEEPER))
+    return min(greatest / DEEPER, max(high / COVER, min([greatest, *marginal]))), high
 
 
 def _interval(runs: Runs) -> tuple[float, float]:
