@@ -198,7 +198,7 @@ def _with_marginal(low: float, high: float, runs: Runs) -> tuple[float, float]:
 
 
 def _beneath(runs: Runs, base: float) -> tuple[float, float]:
-    """Where a search downwards from the band is expected to end, within a factor of COVER where gains are near enough."""
+    """Where a search downwards from the band is expected to end, if possible within COVER; 0.0: nowhere."""
     if not (greatest := _greatest_below(runs, base)):
         return 0.0, 0.0
     settles = min(gain for gain in runs if gain > greatest)
