@@ -24,10 +24,11 @@ from bridge.studies.stability.advice import advise
 from bridge.studies.stability.advised import Advice, CycleAdvice
 from bridge.studies.stability.amplitude import loop_of, scans_of
 from bridge.studies.stability.probe import stand_of
-from bridge.studies.stability.sampled_law import free_gain
+from bridge.studies.stability.sampled_law import free_gain, is_system
 from bridge.studies.stability.search import WORK
 from bridge.studies.stability.trial import trial
 from bridge.studies.stability.twin_edge import SCAN, step_edge, stepped, twin_swing
+from bridge.studies.stability.twin_loop import runs_alone
 from bridge.studies.stability.twin_range import search_of
 from bridge.studies.stability.verified import VerifiedCycle
 from bridge.wire.messages import Mode
@@ -102,6 +103,8 @@ def test_a_law_of_the_users_runs_itself_and_its_free_gain_is_what_it_minds(tmp_p
     pd = load("step", [*loops[:2], *exact, "controller.compensate_overlap=false"])
     assert free_gain(minds).unit == "V/%"
     assert free_gain(stubborn) == (1.0, "x", 1.0)
+    often = load("step", ["controller.kind=python", "controller.law=mine.py:minds", "loop.sample_period=5ms"])
+    assert [runs_alone(scenario) for scenario in (minds, often)] == [False, True]
     own = free_gain(pd).own
     expected = swing(loop_of(pd), 8.0 * own, 0.02)
     for scenario, gain in ((minds, 8.0 * own), (stubborn, 8.0 * own / 20.0)):
@@ -212,6 +215,7 @@ def test_a_control_system_is_a_law(tmp_path, monkeypatch):
     loops = ["loop.sample_period=100ms", "loop.command_timeout=1", "controller.kind=python"]
     one, lag = (load("step", [*loops, f"controller.law=mine.py:{name}"]) for name in ("one", "lag"))
     pd = load("step", loops[:2])
+    assert is_system(one)
     assert np.array_equal(trial(one, stand_of(one)).position, trial(pd, stand_of(pd)).position)
     law = law_of(lag.controller)
     own: Any = law_gains(lag)

@@ -121,6 +121,11 @@ def is_asked(scenario: Scenario) -> bool:
     return kind in ("python", "c", "fmu") or (kind == "state-space" and of_matrices(scenario) is None)
 
 
+def is_system(scenario: Scenario) -> bool:
+    """Is the user's law a system of the package control, which runs compiled?"""
+    return isinstance(scenario.controller, Python) and hasattr(law_in_loop(scenario.controller).answer, "system")
+
+
 def scaled(law: Law, factor: float) -> Law:
     """A law whose answer is multiplied, and saturated."""
 
