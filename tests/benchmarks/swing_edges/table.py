@@ -92,8 +92,8 @@ def row_of(case: Case, expected: Expected, found: GainMap) -> Row:
     """A line, of what was recorded."""
     gains = sorted(found.runs)
     halves = (found._replace(runs={gain: found.runs[gain] for gain in gains[k::2]}) for k in (0, 1))
-    limits = (edges_of(found, limit) for limit in (LARGEST, LARGEST / MARGIN, LARGEST * MARGIN))
-    return Row(case, expected, *limits, tuple(edges_of(half) for half in halves))
+    edges, quiet, loud = (edges_of(found, limit) for limit in (LARGEST, LARGEST / MARGIN, LARGEST * MARGIN))
+    return Row(case, expected, edges, quiet, loud, tuple(edges_of(half) for half in halves))
 
 
 def asked(case: Case) -> Expected:
@@ -103,8 +103,9 @@ def asked(case: Case) -> Expected:
     search = search_of(scenario, [case.size * 1e-3])
     search.until = Deadline(time.process_time() + WORK / len(STEPS))
     (found,) = scans(scenario, search)
-    gains = (gain / unit for gain in (found.low, found.high, *found.beneath))
-    return Expected(*gains, found.frequency, len(search.found), time.process_time() - begun)
+    low, high, least_low, least_high = (gain / unit for gain in (found.low, found.high, *found.beneath))
+    seconds = time.process_time() - begun
+    return Expected(low, high, least_low, least_high, found.frequency, len(search.found), seconds)
 
 
 def known(path: Path) -> dict[Case, Expected]:
@@ -113,10 +114,13 @@ def known(path: Path) -> dict[Case, Expected]:
         return {}
     with path.open() as file:
         rows = [row for row in csv.reader(file) if row]
-    return {
-        Case(row[0], *map(float, row[1:5])): Expected(*map(float, row[5:10]), int(row[10]), float(row[11]))
-        for row in rows
-    }
+    return {Case(row[0], *map(float, row[1:5])): _expected(row[5:]) for row in rows}
+
+
+def _expected(words: Sequence[str]) -> Expected:
+    low, high, least_low, least_high, frequency, runs, seconds = words
+    numbers = float(low), float(high), float(least_low), float(least_high), float(frequency)
+    return Expected(*numbers, int(runs), float(seconds))
 
 
 def write(path: Path, case: Case, expected: Expected) -> None:
