@@ -42,8 +42,8 @@ class Edges(NamedTuple):
     least_settles: float
     settles: float
     swings: float  # the next above; inf: none swings
-    frequency: float  # [Hz], there
-    peak_to_peak: float  # [m]
+    frequency: float  # [Hz], of the quietest swing from there on that has one, up to twice the gain; 0.0: none has
+    peak_to_peak: float  # [m], there
 
 
 def edges_of(found: GainMap, largest: float = LARGEST) -> Edges:
@@ -54,9 +54,15 @@ def edges_of(found: GainMap, largest: float = LARGEST) -> Edges:
     if high == len(gains) - 1:
         return Edges(below, gains[low], gains[high], math.inf, 0.0, 0.0)
     if high < low:
-        return Edges(0.0, 0.0, 0.0, gains[low], found.runs[gains[low]].frequency, found.runs[gains[low]].peak_to_peak)
-    edge = found.runs[gains[high + 1]]
-    return Edges(below, gains[low], gains[high], gains[high + 1], edge.frequency, edge.peak_to_peak)
+        return Edges(0.0, 0.0, 0.0, gains[low], *_swing(found, gains[low]))
+    return Edges(below, gains[low], gains[high], gains[high + 1], *_swing(found, gains[high + 1]))
+
+
+def _swing(found: GainMap, edge: float) -> tuple[float, float]:
+    """Frequency [Hz] of the quietest swing that has one, up to twice an edge, and peak to peak [m] at the edge."""
+    louder = (found.runs[gain] for gain in sorted(found.runs) if edge <= gain <= 2.0 * edge)
+    often = (swing.frequency for swing in louder if swing.counts and swing.frequency > 0.0)
+    return next(often, 0.0), found.runs[edge].peak_to_peak
 
 
 def band(swings: list[bool], one_sided: bool) -> tuple[int, int]:
