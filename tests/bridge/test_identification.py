@@ -19,7 +19,9 @@ from bridge.studies.identification.fit import Fitted
 from bridge.studies.identification.noise import counted, estimated, resolution
 from bridge.studies.identification.parameters import parameters_of, priors_of, with_places
 from bridge.studies.identification.recorded import record_in
+from bridge.studies.identification.residuals import Residuals
 from bridge.studies.identification.suggestion import Asked, suggest
+from bridge.studies.identification.taming import tamed, taming
 from bridge.studies.identification.untold import untold
 from bridge.studies.identification.whiteness import ljung_box
 from bridge.studies.sweep.engine import HERE
@@ -67,6 +69,29 @@ def test_a_pair_that_its_prior_tells_apart_is_named_with_what_the_data_tell(shar
     assert "what was known before (--prior) decides" in found.words
     sharp: Any = np.vstack([jacobian, np.eye(2) / 0.01])
     assert untold(sharp, pair, np.eye(2)) == []
+
+
+@pytest.mark.parametrize("blind", [False, True])
+def test_what_is_far_out_pulls_less_or_not_at_all(blind: bool):
+    """The pull, half the slope of the square, is that of least squares in the noise; of 20 deviations that of 5, or 0."""
+    r, h = np.array([0.3, 1.0, 5.0, 20.0]), 1e-6
+    slope = (tamed(r + h, blind) - tamed(r - h, blind)) / (2.0 * h)
+    assert taming(r, blind) == pytest.approx(slope, abs=1e-6)
+    pull = tamed(r, blind) * slope
+    assert pull[:2] == pytest.approx(r[:2], rel=0.05)
+    assert pull[3] < (1e-4 if blind else 5.0)
+
+
+def test_a_slope_is_taken_on_the_side_on_which_nothing_jumps():
+    """A rod breaks away on one side only: pressures jump by 10 deviations, over a step that changes them by 2 in all."""
+    slope, jump = np.full(100, 0.2), np.where(np.arange(100) < 40, 0.0, 10.0)
+    residuals: Any = Residuals.__new__(Residuals)
+    residuals.steps = np.array([1e-3])
+    residuals._beside = lambda u, j, way: way
+    residuals._slope = lambda u, j, way, known: [(slope + (way > 0.0) * jump) / residuals.steps[j]]
+    known: Any = [SimpleNamespace(basis=np.zeros((100, 1)))]
+    (found,) = residuals._smooth(np.zeros(1), 0, known, False)
+    assert found == pytest.approx(200.0)
 
 
 def test_numbers_that_differ_from_stretch_to_stretch_have_intervals_that_hold_another_stretch():

@@ -16,8 +16,9 @@ from bridge.errors import RunError
 from bridge.studies.identification.data import Record
 from bridge.studies.identification.fit import SHORT, Fitted, Values, counted, solve, spread
 from bridge.studies.identification.parameters import Parameter
-from bridge.studies.identification.residuals import Residuals, Task, tamed
+from bridge.studies.identification.residuals import Residuals, Task
 from bridge.studies.identification.simulation import shots_of
+from bridge.studies.identification.taming import tamed
 
 ROUNDS = 5
 CLOSE = 2e-3  # share of what was known before, by which a further round still moves a number

@@ -3,8 +3,13 @@
 Over short shots the residual is nearly linear in the numbers and a wrong guess still finds its way; over a whole record
 it says most about what is slow. So the fit begins roughly with short ones and continues with whole records. Where these
 are explained much worse, the twin drifts away from the rig for a reason that no number explains: then shots of a length
-between are taken, or the short ones. Where whole records leave more than noise, the fit may stand in a minimum in which
-the rod sticks for a moment where the other slides: it is made again from the numbers that all short shots ask for.
+between are taken, or the short ones.
+
+A rod that sticks may all but break away: with numbers a little off it does where the rig's does not, and pressures are
+off by tens of deviations until the next motion. No slope shows that, and numbers that are right otherwise are pulled
+away. So, once short shots have brought the numbers near, the fit is blind to what is far out (`tamed`): the rest of
+the data puts the numbers right, and with them the rod moves when it should. Where more than noise is left, the fit
+continues with open eyes, and the better one is taken.
 """
 
 import math
@@ -18,13 +23,14 @@ from scipy.optimize import least_squares
 from bridge.errors import RunError
 from bridge.studies.identification.data import Array, Record
 from bridge.studies.identification.parameters import Parameter
-from bridge.studies.identification.residuals import At, Residuals, SettledError, Task, tamed
+from bridge.studies.identification.residuals import At, Residuals, SettledError, Task
 from bridge.studies.identification.simulation import Shot, shots_of
+from bridge.studies.identification.taming import tamed
 
 SHORTEST, SHORT, BETWEEN, WHOLE = 0.2, 1.0, 5.0, math.inf  # lengths of shots [s]
 MORE = 1.1  # residual, in deviations, that is more than noise
 WORSE = 1.5  # by how much longer ones may be explained worse
-ENOUGH = 10.0  # [s] of short shots, spread over all records
+ENOUGH, FEW = 10.0, 4.0  # [s] of short and of shortest shots, spread over all records
 ROUGH = 0.03  # share of the residual that a step over short shots must be worth
 REACH = 0.3  # first step of a place, at most
 TOLERANCE = 1e-9  # the residuals themselves say when a step is worth nothing
@@ -65,10 +71,11 @@ def fit(
     Raises RunError where the numbers at the start make no circuit.
     """
 
-    def over(shots: float, places: Array, rough: bool) -> Fitted:
+    def over(shots: float, places: Array, rough: bool = False, blind: bool = True) -> Fitted:
         cut = shots_of(records, shots)
-        cut = spread(cut, records) if rough else cut
-        found = solve(Task(*base, records, parameters, cut), places, shots, rough, crew)
+        cut = spread(cut, records, FEW if shots == SHORTEST else ENOUGH) if rough else cut
+        steps = done[-1].steps if done else None
+        found = solve(Task(*base, records, parameters, cut), places, shots, rough, crew, steps, blind)
         done.append(found)
         return found
 
@@ -76,26 +83,36 @@ def fit(
     places = np.zeros(len(parameters)) if start is None else start
     for shots in (SHORTEST, SHORT):
         if length is None or shots <= length:
-            places = over(shots, places, True).places
+            places = over(shots, places, True, False).places
     rough = rms(done[-1]) if done else math.inf
+    if math.isfinite(rough) and rough > MORE:
+        places = over(done[-1].length, places, True).places
     best: Fitted | None = None
     for shots in (length,) if length else (WHOLE, BETWEEN, SHORT):
-        best = over(shots, places, False)
+        best = over(shots, places)
+        if rms(best) > MORE:
+            best = min(best, over(shots, best.places, blind=False), key=lambda one: one.cost)
         if rms(best) <= WORSE * rough:
             break
     assert best is not None
-    if best.length == WHOLE and rms(best) > MORE:
-        near = over(SHORT, places, False).places
-        best = min(best, over(WHOLE, near, False), key=lambda one: one.cost)
     tried = tuple((one.length, rms(one)) for one in done)
     return best._replace(tried=tried, runs=sum(one.runs for one in done))
 
 
 def solve(
-    task: Task, start: Array, length: float, rough: bool, crew: Executor | None = None, steps: Array | None = None
+    task: Task,
+    start: Array,
+    length: float,
+    rough: bool,
+    crew: Executor | None = None,
+    steps: Array | None = None,
+    blind: bool = False,
 ) -> Fitted:
-    """One least squares over the shots of a task; steps: for slopes, as another fit has found them."""
-    residuals = Residuals(task, crew, ROUGH if rough else 0.0, steps)
+    """One least squares over the shots of a task.
+
+    steps: for slopes, as another fit has found them; blind: to what is far out.
+    """
+    residuals = Residuals(task, crew, ROUGH if rough else 0.0, steps, blind)
     low, high = np.array([one.bounds for one in task.parameters]).T
     inside = np.clip(start, low, high)
     try:
@@ -119,10 +136,10 @@ def solve(
     return Fitted(places, task, length, shots, jacobian, 0.5 * left, residuals.runs, (), settled, residuals.steps)
 
 
-def spread(shots: list[Shot], records: Sequence[Record]) -> list[Shot]:
-    """Shots evenly over all, ENOUGH in time."""
+def spread(shots: list[Shot], records: Sequence[Record], enough: float = ENOUGH) -> list[Shot]:
+    """Shots evenly over all, `enough` in time [s]."""
     lasts = sum((shot.end - shot.begin) * records[shot.record].period for shot in shots)
-    return shots[:: max(1, math.floor(lasts / ENOUGH))]
+    return shots[:: max(1, math.floor(lasts / enough))]
 
 
 def rms(found: Fitted) -> float:

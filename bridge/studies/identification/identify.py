@@ -102,7 +102,7 @@ def identify(wanted: Wanted, starts: int, part: Path | None, crew: Crew) -> Judg
         began = time.process_time()
         found = fit(*ready, start=None if several is None else several.best, length=wanted.length, crew=own)
         seconds = time.process_time() - began
-        before = found._replace(places=0.0 * found.places, shots=Residuals(found.task, own).at(0.0 * found.places))
+        before = found._replace(places=0.0 * found.places, shots=Residuals(found.task, own).afresh(0.0 * found.places))
         other = on_others(found, held, own) if held else None
     scenario = check(dict(wanted.scenario), "the rig")
     judged = [] if other is None else whiteness(other)
@@ -114,7 +114,7 @@ def identify(wanted: Wanted, starts: int, part: Path | None, crew: Crew) -> Judg
 def on_others(found: Fitted, records: Sequence[Record], crew: Executor | None = None) -> Fitted:
     """Other records with the numbers of a fit; only the starts of the shots are found anew."""
     task = found.task._replace(records=records, shots=shots_of(records, found.length))
-    return found._replace(task=task, shots=Residuals(task, crew).at(found.places))
+    return found._replace(task=task, shots=Residuals(task, crew).afresh(found.places))
 
 
 def threads(crew: Crew) -> AbstractContextManager[Executor | None]:

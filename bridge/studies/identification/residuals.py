@@ -3,7 +3,9 @@
 A start is three numbers s of a shot that only its own residual r knows, and it is so close that r is linear in them.
 With Q an orthonormal basis of dr/ds, least squares over s leaves r - Q Q' r: the numbers of the rig are fitted to that
 alone (variable projection, G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413), and its Jacobian is that of r
-less the same share (L. Kaufman, BIT 15 (1975) 49). So their covariance counts the starts as unknown.
+less the same share (L. Kaufman, BIT 15 (1975) 49). So their covariance counts the starts as unknown. Where the numbers
+u move, the start that fits best moves with them, s - S^+ (r + dr/du du) with S = dr/ds: a start that stays where wrong
+numbers wanted it, bars off, holds the numbers to it.
 """
 
 import math
@@ -16,12 +18,13 @@ import numpy as np
 from bridge.studies.identification.data import Array, Record
 from bridge.studies.identification.parameters import Parameter, with_places
 from bridge.studies.identification.simulation import AS_LED, Shot, Simulation, Start
+from bridge.studies.identification.taming import FAR_OUT, tamed, taming
 
-ASIDE = {"position": 2.0, "lower": 4.0, "upper": 4.0}  # how far starts are moved for a slope, in deviations
+ASIDE = {"position": 2.0, "lower": 4.0, "upper": 4.0}  # how far starts are moved for a slope, in deviations of a mean
 SLOPE, FINEST = 1e-3, 1e-8  # how far numbers are moved for a slope, in places: at first and at most, and at least
 AWAY = 2.0  # by how much the residual is to change then, in deviations all together: phases of swings turn quickly
+JUMP = 1.6 * AWAY  # a greater change is more than the step was chosen for: between two slopes the rod stuck or slid
 CLOSE = 0.1  # change of the residual, in deviations all together, that no estimate shows
-FAR_OUT = 5.0  # deviations from which on a residual counts less
 VAIN = 3  # steps that bring nothing until it ends
 NONE_LEFT = 1e-9  # singular values below this share of the greatest say nothing
 USUAL = {"position": 1e-5, "lower": 1e4, "upper": 1e4}  # [m], [Pa]: where none is measured
@@ -44,6 +47,8 @@ class At(NamedTuple):
     reading: Array  # simulated, (signals, samples)
     residual: Array  # flat, in deviations; zero where nothing is compared
     basis: Array  # Q
+    back: Array  # -S^+: how the start follows the residual [SI]
+    owed: Array  # by how much the start would still have to move [SI]
 
 
 class Slice(NamedTuple):
@@ -73,13 +78,21 @@ class SettledError(Exception):
 class Residuals:
     """Residual and Jacobian of a task, by the places of its parameters.
 
-    share: a step is not worth it when it changes the residual by less than this part of it, or by less than CLOSE.
+    share: a step is not worth it when it changes the residual by less than this part of it, or by less than CLOSE; then
+    shots also start where the data lead the twin, so that none starts where wrong numbers want it.
+    blind: to samples far out, which otherwise count less.
     """
 
     def __init__(
-        self, task: Task, crew: Executor | None = None, share: float = 0.0, steps: Array | None = None
+        self,
+        task: Task,
+        crew: Executor | None = None,
+        share: float = 0.0,
+        steps: Array | None = None,
+        blind: bool = False,
     ) -> None:
         self.task = task
+        self._blind = blind
         self.steps = np.full(len(task.parameters), SLOPE) if steps is None else steps  # for slopes, in places
         self._share = share
         self._last: tuple[Array, Array, float] | None = None  # places, Jacobian and residual's size there
@@ -89,33 +102,54 @@ class Residuals:
         self._crew = crew
         self._known: tuple[bytes, list[At]] | None = None
         self._near: list[At] | None = None
+        self._base = np.zeros(len(task.parameters))  # places of these
+        self._along: list[Array] | None = None  # how their starts follow the places
 
     def at(self, u: Array) -> list[At]:
         """All shots with the numbers at places. Raises ValueError where these make no circuit.
 
-        The starts, and what they explain, are those of the first places, whose slopes change little with the numbers.
+        The starts follow the places. What they explain is taken from the first ones: it changes little.
         """
         if self._known is None or self._known[0] != u.tobytes():
             if self._near is None:
-                self._near = self.afresh(u)
-                return self._near
-            simulation, near = self._simulation(u), self._near
-            self._known = u.tobytes(), self._map(lambda i: self._as_near(simulation, i, near[i]), range(len(near)))
+                return self._about(u)
+            simulation, near, starts = self._simulation(u), self._near, self._following(u)
+            found = self._map(lambda i: self._from(simulation, i, starts[i], near[i]), range(len(near)))
+            self._known = u.tobytes(), found
             self.runs += 1
         return self._known[1]
 
     def afresh(self, u: Array) -> list[At]:
-        """The same with starts that fit these places best."""
-        simulation = self._simulation(u)
-        self._near = self._map(lambda i: self._fitted(simulation, i), range(len(self.slices)))
+        """The same with starts that fit these places best, and what they explain there."""
+        first, simulation = self._about(u), self._simulation(u)
+        starts = self._following(u)
+        self._near = self._map(lambda i: self._from(simulation, i, starts[i], first[i]), range(len(first)))
         self._known = u.tobytes(), self._near
-        self.runs += 5
+        self.runs += 1
         return self._near
 
-    def _as_near(self, simulation: Simulation, i: int, near: At) -> At:
-        reading = self._read(simulation, i, near.start)[1]
-        raw = self._raw(reading, i)
-        return At(near.start, reading, raw - near.basis @ (near.basis.T @ raw), near.basis)
+    def _about(self, u: Array) -> list[At]:
+        """All shots from the best starts known, at first from where the data lead the twin, with slopes of these."""
+        simulation, starts = self._simulation(u), self._following(u)
+        self._near = self._map(lambda i: self._with_basis(simulation, i, starts[i]), range(len(starts)))
+        self._known = u.tobytes(), self._near
+        self._base, self._along = u.copy(), None
+        self.runs += 7
+        return self._near
+
+    def _following(self, u: Array) -> list[Start]:
+        """The starts that fit best at places, as the last slopes say."""
+        near = self._near
+        if near is None or self._share > 0.0:
+            return [AS_LED for _ in self.slices]
+        moves = [at.owed for at in near]
+        if self._along is not None:
+            moves = [move + along @ (u - self._base) for move, along in zip(moves, self._along, strict=True)]
+        return [Start(*(np.array(at.start) + move).tolist()) for at, move in zip(near, moves, strict=True)]
+
+    def _from(self, simulation: Simulation, i: int, start: Start, near: At) -> At:
+        reading = self._read(simulation, i, start)[1]
+        return _compared(self._raw(reading, i), near._replace(start=start, reading=reading))
 
     def residual(self, u: Array) -> Array:
         """Of all shots, starts taken out, then the distances from what is known before; NaN without a circuit.
@@ -127,7 +161,7 @@ class Residuals:
             if 0.0 < np.linalg.norm(slope @ (u - place)) < max(CLOSE, self._share * size):
                 raise SettledError
         try:
-            found = [tamed(at.residual) for at in self.at(u)]
+            found = [tamed(at.residual, self._blind) for at in self.at(u)]
         except ValueError:
             return np.full(sum(s.value.size for s in self.slices) + len(u), np.nan)
         residual = np.concatenate([*found, u / self.priors()])
@@ -147,11 +181,13 @@ class Residuals:
     def jacobian(self, u: Array) -> Array:
         """Of the residual, by differences to one side."""
         known = self.at(u)
-        columns = self._map(lambda j: self._slope(u, j, self._either(u, j), known), range(len(u)))
+        slopes = self._map(lambda j: self._smooth(u, j, known, False), range(len(u)))
         self.runs += len(u)
-        found = self._kept(columns)
-        found[: -len(u)] *= taming(np.concatenate([at.residual for at in known]))[:, None]
-        size = math.sqrt(sum(float((tamed(at.residual) ** 2).sum()) for at in known))
+        self._near, self._base = known, u.copy()
+        self._along = [at.back @ np.column_stack([one[i] for one in slopes]) for i, at in enumerate(known)]
+        found = self._kept([_without_starts(known, one) for one in slopes])
+        found[: -len(u)] *= taming(np.concatenate([at.residual for at in known]), self._blind)[:, None]
+        size = math.sqrt(sum(float((tamed(at.residual, self._blind) ** 2).sum()) for at in known))
         self._last = u.copy(), found, size
         return found
 
@@ -179,23 +215,32 @@ class Residuals:
         return self._last[0], self._last[2]
 
     def _central(self, u: Array, j: int, known: list[At]) -> Array:
-        found = [self._slope(u, j, beside, known) for way in (1.0, -1.0) if (beside := self._beside(u, j, way))]
-        return np.mean(found, axis=0) if found else self._slope(u, j, self._either(u, j), known)
+        return _without_starts(known, self._smooth(u, j, known, True))
 
-    def _slope(self, u: Array, j: int, beside: tuple[Array, Simulation], known: list[At]) -> Array:
+    def _smooth(self, u: Array, j: int, known: list[At], both: bool) -> list[Array]:
+        """Slopes of each shot, sample by sample to that side on which nothing jumps.
+
+        A rod that is all but breaking away does so on one side: the pressures jump, by a change that is not a slope.
+        Where the change is as great as expected, one side does, unless both are asked for.
+        """
+        ways = [beside for way in (1.0, -1.0) if (beside := self._beside(u, j, way))]
+        if not ways:
+            name = self.task.parameters[j].name
+            raise ValueError(f"{name} cannot change: its limits are too close, or the rig allows no other value")
+        one = self._slope(u, j, ways[0], known)
+        jumps = self.steps[j] * np.linalg.norm(_without_starts(known, one)) > JUMP
+        if len(ways) == 1 or not (both or jumps):
+            return one
+        other = self._slope(u, j, ways[1], known)
+        return [_least(a, b) for a, b in zip(one, other, strict=True)]
+
+    def _slope(self, u: Array, j: int, beside: tuple[Array, Simulation], known: list[At]) -> list[Array]:
+        """Of each shot, from where it starts."""
         aside, simulation = beside
         found = []
         for i, at in enumerate(known):
             moved = self._raw(self._read(simulation, i, at.start)[1], i)
-            slope = (moved - self._raw(at.reading, i)) / (aside[j] - u[j])
-            found.append(slope - at.basis @ (at.basis.T @ slope))
-        return np.concatenate(found)
-
-    def _either(self, u: Array, j: int) -> tuple[Array, Simulation]:
-        found = self._beside(u, j, 1.0) or self._beside(u, j, -1.0)
-        if found is None:
-            name = self.task.parameters[j].name
-            raise ValueError(f"{name} cannot change: its limits are too close, or the rig allows no other value")
+            found.append((moved - self._raw(at.reading, i)) / (aside[j] - u[j]))
         return found
 
     def _beside(self, u: Array, j: int, way: float) -> tuple[Array, Simulation] | None:
@@ -219,22 +264,23 @@ class Residuals:
         warm = simulation.warm(record, shot)
         return warm, simulation.read(record, shot, warm, start)
 
-    def _fitted(self, simulation: Simulation, i: int) -> At:
-        """A shot from the start that fits best."""
+    def _with_basis(self, simulation: Simulation, i: int, start: Start) -> At:
+        """A shot, and what its start explains: slopes to that side on which nothing jumps."""
         shot = self.task.shots[i]
         record = self.task.records[shot.record]
-        warm, reading = self._read(simulation, i, AS_LED)
-        aside = _aside(record)
-        raw = self._raw(reading, i)
-        moved = [simulation.read(record, shot, warm, AS_LED._replace(**{name: by})) for name, by in aside.items()]
-        slopes = np.column_stack([(self._raw(one, i) - raw) for one in moved])
+        warm, reading = self._read(simulation, i, start)
+        aside, raw = _aside(record, shot), self._raw(reading, i)
+
+        def moved(name: str, by: float) -> Array:
+            beside = start._replace(**{name: getattr(start, name) + by})
+            return self._raw(simulation.read(record, shot, warm, beside), i) - raw
+
+        slopes = np.column_stack([_least(moved(name, by), -moved(name, -by)) for name, by in aside.items()])
         left, single, right = np.linalg.svd(slopes, full_matrices=False)
         kept = single > NONE_LEFT * max(single[0], 1e-300)
-        shares = -(right[kept].T / single[kept]) @ (left[:, kept].T @ raw)
-        start = Start(**{name: by * share for (name, by), share in zip(aside.items(), shares.tolist(), strict=True)})
-        reading, basis = simulation.read(record, shot, warm, start), np.ascontiguousarray(left[:, kept])
-        raw = self._raw(reading, i)
-        return At(start, reading, raw - basis @ (basis.T @ raw), basis)
+        basis = np.ascontiguousarray(left[:, kept])
+        back = -np.array(list(aside.values()))[:, None] * (right[kept].T / single[kept]) @ basis.T
+        return _compared(raw, At(start, reading, raw, basis, back, np.zeros(len(aside))))
 
     def _raw(self, reading: Array, i: int) -> Array:
         part = self.slices[i]
@@ -252,27 +298,29 @@ class Residuals:
         return [future.result() for future in asked]
 
 
-def tamed(residual: Array) -> Array:
-    """The residual r as one whose square grows only with abs(r) far out: pseudo-Huber, 2 c^2 (sqrt(1 + (r/c)^2) - 1).
+def _without_starts(known: list[At], slopes: list[Array]) -> Array:
+    """A column of the Jacobian: slopes of all shots less what their starts explain."""
+    return np.concatenate([one - at.basis @ (at.basis.T @ one) for at, one in zip(known, slopes, strict=True)])
 
-    A rod that sticks where the other slides is off by hundreds of deviations for a moment and says little of the
-    numbers; noise is left as it is.
+
+def _compared(raw: Array, at: At) -> At:
+    """A shot with its residual less what the start explains; what is far out does not move the start."""
+    residual = raw - at.basis @ (at.basis.T @ raw)
+    return at._replace(residual=residual, owed=at.back @ np.where(np.abs(residual) <= FAR_OUT, raw, 0.0))
+
+
+def _least(one: Array, other: Array) -> Array:
+    """Of two, the one closer to zero, number by number."""
+    return np.where(np.abs(one) < np.abs(other), one, other)
+
+
+def _aside(record: Record, shot: Shot) -> dict[str, float]:
+    """How far each number of a start is moved for a slope [SI]: the residual is to change as much as for `AWAY`.
+
+    Further, and the rod would stick where it slid: what a start explains would be wrong for the whole shot.
     """
-    return np.sign(residual) * FAR_OUT * np.sqrt(2.0 * (np.hypot(1.0, residual / FAR_OUT) - 1.0))
-
-
-def taming(residual: Array) -> Array:
-    """Slope of `tamed`."""
-    far = np.hypot(1.0, residual / FAR_OUT)
-    small = np.abs(residual) < 1e-3
-    own = np.where(small, 1.0, np.abs(tamed(residual)))
-    return np.where(small, 1.0, np.abs(residual) / (far * own))
-
-
-def _aside(record: Record) -> dict[str, float]:
-    """How far each number of a start is moved for a slope [SI]."""
-    found = {}
+    found, samples = {}, shot.end - shot.begin
     for name, quantities in {"position": ("position",), "lower": ("p2", "p_lower"), "upper": ("p3", "p_upper")}.items():
         signal = next((s for q in quantities if (s := record.signal(q)) is not None), None)
-        found[name] = ASIDE[name] * (USUAL[name] if signal is None else signal.deviation)
+        found[name] = ASIDE[name] / math.sqrt(samples) * (USUAL[name] if signal is None else signal.deviation)
     return found

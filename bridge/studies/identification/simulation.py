@@ -152,15 +152,21 @@ class Simulation:
         return measured, relieved_at(measured, self.circuit)[0]
 
     def _shift(self, state: Array, start: Start) -> None:
-        """Move piston and pressures; the oil of the chambers is what they then hold."""
+        """Move piston and pressures; the oil of the chambers changes by as much as they then hold more."""
         if start == AS_LED:
             return
+        before = self._oil(state)
         state[X] += start.position
         state[ENDS_AT + LOWER] += start.lower
         state[ENDS_AT + UPPER] += start.upper
+        after = self._oil(state)
+        state[LOWER_OIL] += after.lower - before.lower
+        state[UPPER_OIL] += after.upper - before.upper
+
+    def _oil(self, state: Array) -> Any:
+        """What the chambers hold at the pressures of their ports."""
         p = Chambers(float(state[ENDS_AT + LOWER]), float(state[ENDS_AT + UPPER]))
-        oil = interpreted(stored_oil)(p, float(state[X]), self.circuit.parts.cylinder)
-        state[LOWER_OIL], state[UPPER_OIL] = oil.lower, oil.upper
+        return interpreted(stored_oil)(p, float(state[X]), self.circuit.parts.cylinder)
 
 
 def _reading(out: Array, number: int, record: Record) -> Array:

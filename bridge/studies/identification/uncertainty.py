@@ -1,8 +1,9 @@
 """What a fit does not know: standard errors, correlations, and the combinations that the data cannot tell.
 
 With the Jacobian J of the residuals in deviations of the noise, starts taken out, the covariance of the places is
-(J'J + P)^-1, P of what is known before, where what is left is white; otherwise that of `discrepancy`. A number is
-identified where the data alone tell it, without what was known before.
+(J'J + P)^-1, P of what is known before, where what is left is white; otherwise that of `discrepancy`. Where a rod sticks
+the residual is rough, and a fit may end although the slopes ask for a further step: this step counts as an error, too. A
+number is identified where the data alone tell it, without what was known before.
 """
 
 from collections.abc import Sequence
@@ -14,6 +15,7 @@ from bridge.studies.identification.data import Array
 from bridge.studies.identification.discrepancy import scattered
 from bridge.studies.identification.fit import Fitted
 from bridge.studies.identification.parameters import Parameter
+from bridge.studies.identification.taming import tamed, taming
 from bridge.studies.identification.untold import POOR, Direction, data_alone, untold
 from bridge.studies.identification.whiteness import Whiteness, whiteness
 
@@ -82,7 +84,7 @@ def uncertainty(found: Fitted) -> Uncertainty:
     robust = not all(one.passed for one in white)
     parameters = found.task.parameters
     plain = _inverse(found.jacobian, parameters)
-    covariance = scattered(found, plain) if robust else plain
+    covariance = scattered(found, plain) if robust else plain + refused(found, plain)
     spread = np.sqrt(np.diag(covariance))
     alone = np.sqrt(np.diag(data_alone(found.jacobian))) * spread / np.sqrt(np.diag(plain))
     errors = zip(parameters, found.values, found.places.tolist(), spread.tolist(), alone.tolist(), strict=True)
@@ -90,6 +92,14 @@ def uncertainty(found: Fitted) -> Uncertainty:
     correlation = covariance / np.outer(spread, spread)
     unseen = untold(found.jacobian, parameters, covariance)
     return Uncertainty(estimates, covariance, correlation, unseen, white, robust)
+
+
+def refused(found: Fitted, plain: Array) -> Array:
+    """Square of the step that the slopes still ask for where the fit has ended; plain: (J'J + P)^-1."""
+    pull = np.concatenate([tamed(at.residual, True) * taming(at.residual, True) for at in found.shots])
+    before = np.array([one.prior for one in found.task.parameters])
+    step = plain @ (found.jacobian.T @ pull + found.places / before**2)
+    return np.outer(step, step)
 
 
 def _at_limit(parameter: Parameter, place: float) -> bool:
