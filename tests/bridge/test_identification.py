@@ -73,7 +73,7 @@ def test_a_pair_that_its_prior_tells_apart_is_named_with_what_the_data_tell(shar
 
 @pytest.mark.parametrize("blind", [False, True])
 def test_what_is_far_out_pulls_less_or_not_at_all(blind: bool):
-    """The pull, half the slope of the square, is that of least squares in the noise; of 20 deviations that of 5, or 0."""
+    """The pull, half the slope of the square, is that of least squares in noise; of 20 deviations that of 5, or 0."""
     r, h = np.array([0.3, 1.0, 5.0, 20.0]), 1e-6
     slope = (tamed(r + h, blind) - tamed(r - h, blind)) / (2.0 * h)
     assert taming(r, blind) == pytest.approx(slope, abs=1e-6)
@@ -83,7 +83,7 @@ def test_what_is_far_out_pulls_less_or_not_at_all(blind: bool):
 
 
 def test_a_slope_is_taken_on_the_side_on_which_nothing_jumps():
-    """A rod breaks away on one side only: pressures jump by 10 deviations, over a step that changes them by 2 in all."""
+    """A rod breaks away on one side only: pressures jump by 10 deviations; the step alone changes them by 2 in all."""
     slope, jump = np.full(100, 0.2), np.where(np.arange(100) < 40, 0.0, 10.0)
     residuals: Any = Residuals.__new__(Residuals)
     residuals.steps = np.array([1e-3])

@@ -1,9 +1,9 @@
 """What a fit does not know: standard errors, correlations, and the combinations that the data cannot tell.
 
 With the Jacobian J of the residuals in deviations of the noise, starts taken out, the covariance of the places is
-(J'J + P)^-1, P of what is known before, where what is left is white; otherwise that of `discrepancy`. Where a rod sticks
-the residual is rough, and a fit may end although the slopes ask for a further step: this step counts as an error, too. A
-number is identified where the data alone tell it, without what was known before.
+(J'J + P)^-1, P of what is known before, where what is left is white; otherwise that of `discrepancy`. Where a rod
+sticks the residual is rough, and a fit may end although the slopes ask for a further step: this step counts as an
+error, too. A number is identified where the data alone tell it, without what was known before.
 """
 
 from collections.abc import Sequence
