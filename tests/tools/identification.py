@@ -97,7 +97,9 @@ def cramer_rao(task: Task, places: Any, steps: Any) -> list[float]:
 
     steps: for slopes, as the fit has found them.
     """
-    jacobian = Residuals(task, steps=steps).slopes(places)
+    residuals = Residuals(task, steps=steps)
+    residuals.afresh(places)  # where the data alone lead it, the rod may stick where it slid
+    jacobian = residuals.slopes(places)
     return np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian))).tolist()
 
 
