@@ -77,10 +77,10 @@ def controller(
     It samples every loop.sample_period. Laws in C can be written, too; those in Python cannot. A C compiler links it.
     """
 
-    def make(loaded: "Scenario", machines: "list[Platform]") -> "Made":
+    def make(loaded: "Scenario", _: "list[Platform]") -> "Made":
         from bridge.connect.fmu.controller import controller_fmu
 
-        return controller_fmu(loaded, [machine.name for machine in machines])
+        return controller_fmu(loaded)
 
     _write("controller", scenario, changes, output, version, platform or [], as_json, make)
 

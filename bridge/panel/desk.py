@@ -37,7 +37,7 @@ class Desk:
         """What comes of a message of a page: `done`, or `refused` with the reason."""
         number = asked.get("id") if isinstance(asked, dict) else None
         try:
-            if not isinstance(asked, dict) or asked.get("do") not in self._acts:
+            if not isinstance(asked, dict) or str(asked.get("do")) not in self._acts:
                 raise UsageError(f"send a table whose `do` is one of {', '.join(self._acts)}")
             self._allow(client, asked["do"])
             return {"id": number, "done": await self._acts[asked["do"]](client, asked)}

@@ -17,13 +17,10 @@ def facts_of(run: Run, picture: Picture | None) -> dict[str, Any]:
     """Names, picture, plots, and what can go wrong."""
     scenario, manifest = run.scenario, run.rig.manifest
     return {
-        "run_id": str(run.rig.run_id),
         "rig": scenario.rig_name,
         "name": scenario.name,
         "title": scenario.title or scenario.name,
         "mode": manifest["mode"],
-        "duration": scenario.duration,
-        "period": scenario.loop.daq_period,
         "turns": is_motor(scenario.rig_values()),
         "svg": picture.svg if picture else "",
         "motion": picture.motion if picture else None,

@@ -9,7 +9,6 @@ from bridge.scenario.channels import layout_of
 from bridge.scenario.fitted import Values, is_motor, of_drive
 from bridge.scenario.units import shown
 from bridge.view.curves import CURVES, PICTURES, TRUE, Curve, chosen
-from bridge.wire.estimates import DEVIATION
 from bridge.wire.messages import ESTIMATE
 from twin.estimation.quantities import ESTIMATED, LOAD
 
@@ -75,7 +74,6 @@ def _plain(curve: Curve, values: Values) -> dict[str, Any]:
         "dark": "#{:02x}{:02x}{:02x}".format(*curve.colour),
         "held": curve.held,
         "dashed": curve.topic == ESTIMATE and curve.picture != FORCES,
-        "deviation": f"{ESTIMATE}.{curve.field}{DEVIATION}" if curve.topic == ESTIMATE else None,
     }
 
 

@@ -26,8 +26,7 @@ Array = NDArray[np.float64]
 def exported(kind: str, scenario: Scenario, version: str, path: Path) -> Path:
     """An FMU of a scenario for this machine."""
     machines = platforms([])
-    names = [machine.name for machine in machines]
-    made = plant_fmu(scenario, machines) if kind == "plant" else controller_fmu(scenario, names)
+    made = plant_fmu(scenario, machines) if kind == "plant" else controller_fmu(scenario)
     write_fmu(made, scenario, version, machines, path)
     return path
 

@@ -67,7 +67,7 @@ def _token(made: Made, sources: dict[str, str]) -> str:
 
 def _linked(sources: dict[str, str], made: Made, compiler: list[str], platform: Platform) -> bytes:
     """The library of a platform."""
-    objects = made.objects[platform.name]
+    objects = made.objects.get(platform.name, {})
     with tempfile.TemporaryDirectory(prefix="hydrotwin-fmu-") as work:
         folder = Path(work)
         (folder / "fmi").mkdir()

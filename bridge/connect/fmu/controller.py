@@ -57,8 +57,8 @@ class LawInC(NamedTuple):
     folder: str = ""  # of a user's law
 
 
-def controller_fmu(scenario: Scenario, names: list[str]) -> Made:
-    """The sources of a scenario's controller for platforms. Raises UsageError for a law that is not native."""
+def controller_fmu(scenario: Scenario) -> Made:
+    """The sources of a scenario's controller. Raises UsageError for a law that is not native."""
     law = _law(scenario)
     variables = [*_variables(scenario, law)]
     text = '#include "model.h"\n\n#include <math.h>\n\n' + table_of(variables)
@@ -68,12 +68,17 @@ def controller_fmu(scenario: Scenario, names: list[str]) -> Made:
         sources["law.c"] = law.source
     else:
         ours.append(f"laws/{law.source}")
-    period = scenario.loop.grid().sample
-    objects: dict[str, dict[str, bytes]] = {name: {} for name in names}
-    headers = ("controller.h", "laws/common.h")
-    macros = _macros(variables, law)
     return Made(
-        *("controller", variables, "controller.h", macros, sources, tuple(ours), headers, period, objects, law.folder)
+        kind="controller",
+        variables=variables,
+        own_state="controller.h",
+        macros=_macros(variables, law),
+        sources=sources,
+        ours=tuple(ours),
+        headers=("controller.h", "laws/common.h"),
+        period=scenario.loop.grid().sample,
+        objects={},
+        folder=law.folder,
     )
 
 

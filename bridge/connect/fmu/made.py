@@ -16,5 +16,5 @@ class Made(NamedTuple):
     ours: tuple[str, ...]  # sources of the folder `c`
     headers: tuple[str, ...]  # the same
     period: int  # that a host should step by [ns]
-    objects: dict[str, dict[str, bytes]]  # of each platform by its name: object files
+    objects: dict[str, dict[str, bytes]]  # of each platform by its name: object files; none of a law, which is C
     folder: str = ""  # where a user's law finds what it includes

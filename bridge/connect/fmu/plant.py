@@ -57,8 +57,17 @@ def plant_fmu(scenario: Scenario, platforms: list[Platform]) -> Made:
     )
     sources = {"plant_data.c": _data(plant), "ziggurat.h": tables()}
     objects = {platform.name: _objects(plant, platform) for platform in platforms}
-    grid = scenario.loop.grid()
-    return Made("plant", plant.variables, "plant.h", _macros(plant), sources, SOURCES, HEADERS, grid.daq, objects)
+    return Made(
+        kind="plant",
+        variables=plant.variables,
+        own_state="plant.h",
+        macros=_macros(plant),
+        sources=sources,
+        ours=SOURCES,
+        headers=HEADERS,
+        period=scenario.loop.grid().daq,
+        objects=objects,
+    )
 
 
 def _variables(scenario: Scenario, changes: Changes) -> Iterator[Variable]:

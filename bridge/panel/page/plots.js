@@ -73,6 +73,7 @@ export function add(curves) {
       const kept = (own.v[key] ??= new Array(own.t.length - t.length).fill(null));
       for (const value of values) kept.push(value);
     }
+    for (const kept of Object.values(own.v)) while (kept.length < own.t.length) kept.push(null); // not told this time
     latest = Math.max(latest, t[t.length - 1] ?? 0);
     trim(own);
   }

@@ -143,5 +143,3 @@ export function read(now, turns) {
   });
   by("readings").replaceChildren(...rows);
 }
-
-export const legend = () => motion?.stops.map(([pressure, ...rgb]) => `${shown(pressure / 1e5)} bar: ${rgb}`);
