@@ -45,9 +45,7 @@ def foxglove(
 
 def ros(
     rig: RIG = "rig",
-    domain: Annotated[
-        int, typer.Option(min=0, max=232, envvar="ROS_DOMAIN_ID", help="ROS_DOMAIN_ID of the nodes.")
-    ] = 0,
+    domain: DOMAIN = 0,
     router: Annotated[
         str | None, typer.Option(help="Address of a router of ROS 2 that is there, rmw_zenohd.", callback=address)
     ] = None,

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from bridge.cli.options import CHANGES, CONFIG, CONNECT, PRIORITY
+from bridge.errors import UsageError
 from bridge.machine.priority import Priority
 from bridge.wire.link import DEFAULT_ENDPOINT
 
@@ -46,7 +47,12 @@ def panel(
         from bridge.scenario import load
 
         load(scenario, changes)  # refused before anything is served
-    place = Place(rig, Link(None, connect, zenoh_config, 2.0), Wish(scenario, tuple(changes or ()), True, priority))
+    elif changes or scenario != DEFAULT:
+        raise UsageError(
+            f"--scenario and --set are for a run that the panel starts; rig {rig!r} runs already: leave them out, or it"
+        )
+    wish = Wish(scenario, tuple(changes or ()), priority=priority)
+    place = Place(rig, Link(None, connect, zenoh_config, 2.0), wish)
     serve(place, host, port, watch, lambda addresses: _tell(addresses, opening))
 
 

@@ -12,6 +12,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from bridge.connect.fmu.build import OURS
+from bridge.connect.fmu.platforms import zig
 from bridge.connect.fmu.ziggurat import tables
 from bridge.loop.law import law_of
 from bridge.recording.reader import Recording
@@ -25,7 +26,7 @@ from controller.laws import LAWS
 from controller.reference import Target
 from tests.bridge.test_c_law import page
 from tests.support.command import hydrotwin_here
-from tests.support.fmu import Opened, coupled, exported, opened, watched
+from tests.support.fmu import EMULATORS, Opened, coupled, coupled_elsewhere, exported, opened, watched
 from twin.sensors import noise_block
 
 CC = shutil.which("cc")
@@ -273,6 +274,7 @@ def test_units_are_taken_apart_into_those_of_the_si():
     [
         (["plant", "step", "--platform", "arm"], "--platform 'arm' is not a platform"),
         (["controller", "step", "--set", "controller.law=mine:law"], "a law in Python cannot run without Python"),
+        (["controller", "step", "--set", "controller.kind=fmu", "--set", "controller.fmu=a.fmu"], "is an FMU already"),
         (["plant", "step", "--set", "seed=4294967296"], "choose another seed"),
     ],
 )
@@ -285,7 +287,7 @@ def test_what_cannot_be_exported_is_one_sentence(words: list[str], said: str, tm
 
 def test_without_a_c_compiler_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("CC", "no-such-compiler")
-    monkeypatch.setattr("bridge.connect.fmu.platforms._zig", list)
+    monkeypatch.setattr("bridge.connect.fmu.platforms.zig", list)
     done = hydrotwin_here("fmu", "plant", "step", cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
     assert "there is no 'no-such-compiler' on this machine: install gcc or clang" in done.stderr
@@ -320,3 +322,23 @@ def test_each_built_in_drive_as_an_fmu_runs_as_in_process(name: str, tmp_path: P
         found = coupled(plant, law, own, asked.loop.daq_period, asked.ticks, tmp_path)
         for column, (signal, recorded) in zip(found.T, watched(plant, own).items(), strict=False):
             assert np.array_equal(column, recorded, equal_nan=True), signal
+
+
+@pytest.mark.endurance
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("name", EMULATORS)
+def test_an_fmu_for_another_machine_runs_there(name: str, tmp_path: Path):
+    """Linked by zig, in an emulator. The last bits of its exp, log and pow may be others, so to 1 um in 0.5 s."""
+    if not zig() or not shutil.which(EMULATORS[name][0]):
+        pytest.skip(f"needs ziglang and {EMULATORS[name][0]}")
+    asked = load("step", ["duration=0.5", "reference.at=0.1"])
+    own, machines = run_in_memory(asked), ("x86_64-linux", name)
+    files = [exported(kind, asked, "2", tmp_path / f"{kind}.fmu", machines) for kind in ("plant", "controller")]
+    with opened(files[0]) as plant, opened(files[1]) as law:
+        found = coupled_elsewhere(name, plant, law, own, tmp_path)
+        columns = watched(plant, own)
+    seen = dict(zip(columns, found.T, strict=False))
+    same = sum(np.array_equal(seen[signal], recorded, equal_nan=True) for signal, recorded in columns.items())
+    print(f"{name}: {same} of {len(columns)} columns are those of the run, bit for bit")
+    assert np.ptp(seen["state.position"]) > 0.03
+    assert np.abs(seen["state.position"] - columns["state.position"]).max() < 1e-6

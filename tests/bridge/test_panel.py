@@ -229,7 +229,11 @@ def assert_parts(svg: str, *moves: str) -> None:
     assert not re.search(r"https?://", svg)
 
 
-def test_an_address_that_is_not_ours_is_one_sentence(tmp_path: Path):
-    done = hydrotwin_here("panel", "rig", "--port", "8742", "--host", "192.0.2.1", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "choose another one with --port" in done.stderr
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [(("--host", "192.0.2.1"), "choose another one with --port"), (("--set", "seed=2"), "rig 'rig' runs already")],
+)
+def test_a_panel_that_cannot_be_is_one_sentence(words: tuple[str, ...], said: str, tmp_path: Path):
+    done = hydrotwin_here("panel", "rig", "--port", "8742", *words, cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert said in done.stderr

@@ -11,21 +11,33 @@ import fmpy
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.connect.fmu.build import OURS, write_fmu
+from bridge.connect.fmu.build import OURS, PATIENCE, write_fmu
 from bridge.connect.fmu.controller import controller_fmu
 from bridge.connect.fmu.plant import plant_fmu
-from bridge.connect.fmu.platforms import platforms
+from bridge.connect.fmu.platforms import PLATFORMS, platforms, zig
 from bridge.recording.reader import Recording
 from bridge.scenario import Scenario
 
 HOST = Path(__file__).with_name("fmu_host.c")
 FOLDERS = {"2": "linux64", "3": "x86_64-linux"}
+EMULATORS = {  # of other platforms: on Debian the packages qemu-user and libc6-arm64-cross, and wine64
+    "aarch64-linux": ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"],
+    "x86_64-windows": ["wine"],
+}
+ON_WINDOWS = """\
+#include <windows.h>
+#define RTLD_NOW 0
+#define RTLD_GLOBAL 0
+#define dlopen(path, flags) ((void *)LoadLibraryA(path))
+#define dlsym(library, name) ((void *)GetProcAddress((HMODULE)(library), name))
+#define dlerror() "the library cannot be loaded"
+"""
 Array = NDArray[np.float64]
 
 
-def exported(kind: str, scenario: Scenario, version: str, path: Path) -> Path:
-    """An FMU of a scenario for this machine."""
-    machines = platforms([])
+def exported(kind: str, scenario: Scenario, version: str, path: Path, names: tuple[str, ...] = ()) -> Path:
+    """An FMU of a scenario for platforms, or for this machine."""
+    machines = platforms([*names])
     made = plant_fmu(scenario, machines) if kind == "plant" else controller_fmu(scenario)
     write_fmu(made, scenario, version, machines, path)
     return path
@@ -104,7 +116,27 @@ def coupled(plant: Opened, law: Opened, run: Recording, step: float, ticks: int,
     host = folder / f"host{plant.version}"
     flags = ["-O1", "-Wall", "-Wextra", "-Werror", *(["-DFMI3"] if plant.version == "3" else [])]
     subprocess.run(["cc", *flags, "-I", str(OURS / "fmi"), "-o", str(host), str(HOST), "-ldl"], check=True)
-    lines = [f"{plant.library} {plant.token} {law.library} {law.token} {step!r} {ticks}"]
+    told = _told(plant, law, run, f"{plant.library} {plant.token} {law.library} {law.token} {step!r} {ticks}", step)
+    return _seen([str(host)], told)
+
+
+def coupled_elsewhere(name: str, plant: Opened, law: Opened, run: Recording, folder: Path) -> Array:
+    """The same of FMI 2 on another platform: the host is built by zig and runs in an emulator, 1 ms a step."""
+    machine, ticks = PLATFORMS[name], len(run.columns("state")["stamp"]) - 1
+    host = folder / f"host{'.exe' if machine.suffix == '.dll' else ''}"
+    if machine.suffix == ".dll":
+        (folder / "dlfcn.h").write_text(ON_WINDOWS)
+    command = [*zig(), "cc", "-target", machine.zig, "-O1", "-I", str(folder), "-I", str(OURS / "fmi")]
+    subprocess.run([*command, "-o", str(host), str(HOST)], check=True, timeout=PATIENCE)
+    inside = f"binaries/{machine.folders['2']}"
+    libraries = [next((fmu.folder / inside).glob(f"*{machine.suffix}")) for fmu in (plant, law)]
+    first = f"{libraries[0]} {plant.token} {libraries[1]} {law.token} 0.001 {ticks}"
+    return _seen([*EMULATORS[name], str(host)], _told(plant, law, run, first, 1e-3))
+
+
+def _told(plant: Opened, law: Opened, run: Recording, first: str, step: float) -> str:
+    """What the host reads: who is coupled, by which variables, and the reference."""
+    lines = [first]
     lines += [f"{plant.at[name]} {law.at[name]}" for name in law.at if name.startswith("measurement.")]
     lines += ["end", f"{law.at['spool']} {plant.at['spool']}"]
     wanted = run.columns("reference")
@@ -112,6 +144,10 @@ def coupled(plant: Opened, law: Opened, run: Recording, step: float, ticks: int,
         for name, value in zip(("position", "velocity"), values, strict=True):
             lines.append(f"{stamp // round(step * 1e9)} {law.at[f'reference.{name}']} {value.hex()}")
     lines += ["end", *(str(plant.at[name]) for name in watched(plant, run))]
-    done = subprocess.run([str(host)], input="\n".join(lines) + "\n", capture_output=True, text=True, timeout=60)
+    return "\n".join(lines) + "\n"
+
+
+def _seen(command: list[str], told: str) -> Array:
+    done = subprocess.run(command, input=told, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     return np.array([[float.fromhex(value) for value in line.split()] for line in done.stdout.splitlines()])

@@ -13,6 +13,7 @@ from bridge.loop.c_law import exports_of
 from bridge.scenario import Scenario
 from bridge.scenario.channels import chosen
 from bridge.scenario.controllers import InC
+from bridge.scenario.fmu_controller import Fmu
 from bridge.scenario.gains import law_gains
 from controller.law import CGains
 from controller.reference import evaluate
@@ -86,6 +87,8 @@ def _law(scenario: Scenario) -> LawInC:
     controller = scenario.controller
     if isinstance(controller, InC):
         return _users(controller, law_gains(scenario))
+    if isinstance(controller, Fmu):
+        raise UsageError(f"controller.fmu {controller.fmu!r} is an FMU already: couple that file with the plant's")
     if controller.kind not in MAKE:
         raise UsageError(
             f"controller.kind {controller.kind!r}: a law in Python cannot run without Python; write it in C "

@@ -74,19 +74,19 @@ def compiler_for(platform: Platform) -> list[str]:
         found = shutil.which(command[0])
         if found is not None:
             return [found, *command[1:]]
-        if not _zig():
+        if not zig():
             raise UsageError(
                 f"an FMU is linked by a C compiler, and there is no {command[0]!r} on this machine: install gcc or "
                 "clang, or `pip install ziglang`"
             )
-    if not (zig := _zig()):
+    if not (command := zig()):
         raise UsageError(
             f"an FMU for {platform.name} is linked by zig, which is not installed: `pip install ziglang` (400 MB)"
         )
-    return [*zig, "cc", "-target", platform.zig]
+    return [*command, "cc", "-target", platform.zig]
 
 
-def _zig() -> list[str]:
+def zig() -> list[str]:
     """The command zig, by its path or as a package of Python."""
     if found := shutil.which("zig"):
         return [found]
