@@ -4,6 +4,7 @@ import json
 import re
 import xml.etree.ElementTree as ET
 from importlib.metadata import version
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -11,7 +12,9 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from bridge.cli.catalogue import VERBS as CATALOGUE
+from bridge.cli.printing import print_differences
 from bridge.cli.verbs import app
+from bridge.recording.compare import Difference
 from bridge.scenario.files import plain
 from tests.support.command import hydrotwin_here
 from tests.support.processes import ENVIRONMENT, UNDRAWN, hydrotwin
@@ -37,6 +40,15 @@ def test_help_names_every_verb_there_is_and_the_exit_codes():
 def test_the_version_is_that_of_the_package():
     done = CliRunner().invoke(app, ["--version"])
     assert (done.exit_code, done.output) == (0, f"hydrotwin {version('hydrotwin')}\n")
+
+
+def test_differences_are_printed_in_bar_and_millimetres(capsys: pytest.CaptureFixture[str]):
+    pressure = Difference("measurement.p2", "Pa", 10, 0, 2.5e5, 0.1, 1.5e5, 0.1, 2e4, passed=False)
+    position = Difference("measurement.position", "m", 10, 0, 0.0, None, 0.0, None, 1e-4, passed=True)
+    print_differences([pressure, position], as_json=False)
+    printed = capsys.readouterr().out.split()
+    assert [word for word, unit in pairwise(printed) if unit == "bar"] == ["2.5", "1.5", "0.2"]
+    assert [word for word, unit in pairwise(printed) if unit == "mm"] == ["0", "0", "0.1"]
 
 
 def test_the_list_of_verbs_says_what_each_says_of_itself():
