@@ -16,7 +16,7 @@ from zenoh_ros2_sdk.discovery import get_topic_names_and_types  # pyright: ignor
 
 MESSAGES = Path(sys.argv[1]) / "hydrotwin_msgs" / "msg"
 PORT = int(sys.argv[2]) if len(sys.argv) > 2 else 7448
-DELAY = 5_000_000  # [ns] from the sample to the action: time to compute and to travel
+DELAY = 10_000_000  # [ns] from the sample to the action: time to compute and to travel, through the bridge both ways
 GAIN, DEAD_BAND = 37.0, 0.1  # spool per metre; share of the spool's travel in which the valve stays shut
 SOURCE = random.getrandbits(64)  # who we are: the first controller to speak owns the plant
 heard = time.monotonic() + 60.0  # patience for the first measurement
@@ -48,4 +48,6 @@ commands = ROS2Publisher("/rig/command", node_name="steering", **definition("Val
 ready.set()
 while time.monotonic() - heard < 1.0:
     time.sleep(0.1)
+measurements.close()  # its thread would keep the program alive
+commands.close()
 print(sent, "commands", flush=True)
