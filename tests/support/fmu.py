@@ -139,8 +139,9 @@ def _told(plant: Opened, law: Opened, run: Recording, first: str, step: float) -
     lines = [first]
     lines += [f"{plant.at[name]} {law.at[name]}" for name in law.at if name.startswith("measurement.")]
     lines += ["end", f"{law.at['spool']} {plant.at['spool']}"]
-    wanted = run.columns("reference")
-    for stamp, *values in zip(*(wanted[name].tolist() for name in ("stamp", "position", "velocity")), strict=True):
+    wanted, follows = run.columns("reference"), run.scenario().controller.follows
+    position = wanted["position"] if follows else run.columns("command")["spool"]  # what an open-loop law puts out
+    for stamp, *values in zip(*(c.tolist() for c in (wanted["stamp"], position, wanted["velocity"])), strict=True):
         for name, value in zip(("position", "velocity"), values, strict=True):
             lines.append(f"{stamp // round(step * 1e9)} {law.at[f'reference.{name}']} {value.hex()}")
     lines += ["end", *(str(plant.at[name]) for name in watched(plant, run))]

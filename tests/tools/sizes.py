@@ -35,7 +35,8 @@ def main() -> None:
     assert set(extras) == set(IMPORTED)
     with TemporaryDirectory() as folder:
         pins = Path(folder) / "pins.txt"
-        pins.write_text("\n".join(re.findall(r"^[\w.-]+==[\w.]+", (ROOT / "requirements.lock").read_text(), re.M)))
+        lines = re.findall(r"^[\w.-]+==[^\\\n]+", (ROOT / "requirements.lock").read_text(), re.MULTILINE)
+        pins.write_text("\n".join(lines))  # without hashes, which pip wants of a wheel of ours, too
         core, wheel = Path(folder) / "core", _wheel(Path(folder))
         subprocess.run([sys.executable, "-m", "venv", core], check=True)
         bare, nothing = _size(core), _cost(core, "pass")
