@@ -143,7 +143,7 @@ def _told(plant: Opened, law: Opened, run: Recording, first: str, step: float) -
     position = wanted["position"] if follows else run.columns("command")["spool"]  # what an open-loop law puts out
     for stamp, *values in zip(*(c.tolist() for c in (wanted["stamp"], position, wanted["velocity"])), strict=True):
         for name, value in zip(("position", "velocity"), values, strict=True):
-            lines.append(f"{stamp // round(step * 1e9)} {law.at[f'reference.{name}']} {value.hex()}")
+            lines.append(f"{stamp // round(step * 1e9)} {law.at[f'reference.{name}']} {value!r}")
     lines += ["end", *(str(plant.at[name]) for name in watched(plant, run))]
     return "\n".join(lines) + "\n"
 

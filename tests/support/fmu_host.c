@@ -119,7 +119,7 @@ int main(void) {
   if (scanf("%999s %99s %999s %99s %lf %ld", path[0], token[0], path[1], token[1], &h, &steps) != 6) return 3;
   while (scanf("%u %u", &from[wired], &to[wired]) == 2) wired++;
   if (scanf(" end %u %u", &out, &in) != 2) return 3;
-  while (scanf("%ld %u %la", &changes[planned].at, &changes[planned].to, &changes[planned].value) == 3) planned++;
+  while (scanf("%ld %u %lf", &changes[planned].at, &changes[planned].to, &changes[planned].value) == 3) planned++;
   if (scanf(" end") < 0) return 3;
   while (scanf("%u", &shown[watched]) == 1) watched++;
   for (int i = 0; i < 2; i++) {
