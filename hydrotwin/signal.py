@@ -83,7 +83,8 @@ class Signal(NamedTuple):
             raise AssertionError(
                 f"{self.name} does not settle at {self.words(target)} within {self.words(band)}"
                 f"{'' if before is None else f' before {limit:g} s'}: "
-                f"it is {self.words(part.value[last])} at {part.time[last]:g} s"
+                f"it is {self.words(part.value[last])} at {part.time[last]:g} s, "
+                f"{self.words(abs(part.value[last] - target))} away"
             )
         return float(part.time[settled])
 

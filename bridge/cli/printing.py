@@ -34,7 +34,8 @@ def print_summary(outcome: "Outcome") -> None:
         words = plain_text(f" {outcome.options.mode}: {summary.ending}")
         console.print(plain_text(summary.scenario, "bold") + words, soft_wrap=True)
         print_table(("control", ""), _metric_rows(summary))
-        print_table(("timing", "p50", "p99", "p99.9", "max"), _timing_rows(summary))
+        if rows := _timing_rows(summary):
+            print_table(("timing", "p50", "p99", "p99.9", "max"), rows)
         priority = [f"priority   {outcome.priority}"] if outcome.priority else []
         for line in [*priority, *_stability(outcome), *_counts(summary)]:
             console.print(plain_text(line), soft_wrap=True)

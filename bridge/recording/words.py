@@ -17,7 +17,7 @@ def sentence(recording: Recording) -> str:
     if is_measured(recording):
         simulated = summary and summary.simulated
         return f"{'A log' if simulated is None else f'{simulated:g} s'} measured on a rig, {_origin(recording)}."
-    what = _replayed(run.get("replayed")) or _control(run.get("scenario", {}))
+    what = _replayed(run.get("replayed")) or _control(run)
     how = MODES.get(run.get("mode", ""), "")
     simulated = summary and summary.simulated
     span = "A run" if simulated is None else f"{simulated:g} s"
@@ -34,12 +34,14 @@ def _origin(recording: Recording) -> str:
     return f"imported from {told.get('source', 'a log')} by {told.get('map', 'a map')}"
 
 
-def _control(scenario: dict[str, Any]) -> str:
+def _control(run: dict[str, Any]) -> str:
+    scenario = run.get("scenario", {})
     loop, controller = scenario.get("loop"), scenario.get("controller", {})
     if not loop:
         return ""
     delay = f"{loop['delay'] * 1e3:g} ms later" if loop["delay"] else "without delay"
-    law = next((controller[key] for key in ("law", "source", "library", "kind") if controller.get(key)), None)
+    named = next((controller[key] for key in ("law", "source", "library", "kind") if controller.get(key)), None)
+    law = run.get("law", {}).get("name", named)  # a law handed over by a program is not in the scenario
     return f"under the law {law}, sampled every {loop['sample_period'] * 1e3:g} ms and acting {delay}"
 
 

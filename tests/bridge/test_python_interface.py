@@ -14,6 +14,7 @@ import pytest
 import hydrotwin as ht
 from bridge.recording.digest import digest
 from bridge.recording.entries import Entry
+from bridge.recording.words import sentence
 from bridge.runs.in_process import record_in_process
 from hydrotwin.signal import Signal
 from tests.support.processes import ENVIRONMENT, ROOT
@@ -125,7 +126,7 @@ def test_what_a_signal_does_is_told_with_value_and_time(ramp: Signal):
     with pytest.raises(AssertionError, match="p is never above 11 bar; it comes to 10 bar"):
         ramp.reaches(above="11 bar")
     assert ramp.settles(at="9 bar", within="1 bar") == 8.0
-    with pytest.raises(AssertionError, match="does not settle at 9 bar within 1 bar before 7 s: it is 7 bar at 7 s"):
+    with pytest.raises(AssertionError, match=r"within 1 bar before 7 s: it is 7 bar at 7 s, 2 bar away"):
         ramp.settles(at="9 bar", within="1 bar", before="7 s")
     with pytest.raises(AssertionError, match="it is 10 bar at 10 s"):
         ramp.settles(at="0 bar", within="1 bar")
@@ -158,3 +159,14 @@ def test_the_steps_for_a_ci_service_run_and_keep_what_has_failed(tmp_path: Path)
     kept = sorted(path.name for path in (tmp_path / "failed").iterdir())
     assert kept == ["test_that_fails.mcap", "test_with[a_b].mcap"]
     assert ht.read(tmp_path / "failed" / "test_that_fails.mcap").summary.ending.startswith("complete")
+
+
+def test_the_words_of_a_run_name_the_law_that_a_program_hands_over():
+    """It is no part of the scenario, which has another."""
+
+    def law(sample: Any, target: Any, memory: Any, gains: Any) -> tuple[float, Any]:
+        return 0.0, memory
+
+    said = sentence(ht.run("step", law, changes={"duration": 0.2}).recording)
+    assert f"under the law {law.__qualname__}" in said
+    assert "under the law pd" in sentence(ht.run("step", changes={"duration": 0.2}).recording)
