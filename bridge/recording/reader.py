@@ -26,6 +26,7 @@ from bridge.wire.codec import STORE, decode
 from bridge.wire.messages import CHANNELS_TOPIC, TOPICS, field_names, flat_size, struct_format
 from controller.grid import NS
 
+LATEST = (1 << 63) - 1  # [ns]; a later time is none
 HEAD = ("", "V4")  # of a message in CDR: how it is encoded
 
 log = logging.getLogger("hydrotwin")
@@ -178,7 +179,7 @@ class _Content:
             elif end - begin >= MESSAGE.size:
                 channel, sequence, log_time, _ = MESSAGE.unpack_from(records, begin)
                 topic, data = topics.get(channel, ""), records[begin + MESSAGE.size : end]
-                if not is_sound(topic, data):
+                if log_time > LATEST or not is_sound(topic, data):
                     self.unreadable += 1
                     continue
                 counts[topic] += 1

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
@@ -141,3 +142,19 @@ def test_the_list_of_chunks_is_the_library_s_in_an_eighth_of_the_memory(recordin
         files.append(writer.path.read_bytes())
     assert files[0] == files[1]
     assert 100 < len(kept[0]._records) / len(kept[1]) < 400
+
+
+def test_a_message_of_a_time_that_is_none_is_left_out_and_counted(tmp_path):
+    """Eight damaged bytes may say any time up to 2^64 ns."""
+    path = tmp_path / "late.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        schema = writer.register_schema("camera", "ros2msg", b"uint8 x")
+        channel = writer.register_channel("rig/camera", "cdr", schema)
+        for stamp in (0, (1 << 63) - 1, 1 << 63, (1 << 64) - 1):
+            writer.add_message(channel, stamp, b"\0\1\0\0\7", stamp, 1)
+        writer.finish()
+    found = read(path)
+    assert [entry.log_time for entry in found.entries] == [0, (1 << 63) - 1]
+    assert found.damage.unreadable == 2
