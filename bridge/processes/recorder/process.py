@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bridge.errors import RunError
-from bridge.machine.priority import Priority, leave, take_behind
+from bridge.machine.priority import Priority, ease, take_behind
 from bridge.machine.process import NOTE, Stop
 from bridge.processes.contact import Contact, is_farewell
 from bridge.processes.recorder.run_file import Arrival, Request, RunFile
@@ -72,7 +72,7 @@ class RecorderProcess:
         while not self.stop() and not self._over(file):
             time.sleep(DRAIN_PERIOD)
             file = self._drain(file)
-        leave()
+        ease()
         written = self._close(file)
         if (
             file.ended_at is None
