@@ -37,7 +37,7 @@ class Entries(Sequence[Entry]):
     def __init__(self, entries: Iterable[Entry] = ()) -> None:
         self._lanes: dict[str, Lane] = {}
         self._topics: list[str] = []  # by code
-        self._codes = array("H")
+        self._codes = array("I")  # a file may describe 65536 channels, and messages of none
         self._times = array("q")
         self._sequences = array("Q")
         self._rows = array(WHERE)  # each one's place in its lane
@@ -46,17 +46,15 @@ class Entries(Sequence[Entry]):
 
     def add(self, topic: str, log_time: int, sequence: int, data: bytes) -> None:
         """Put a message behind the others."""
-        lane = self._lanes.get(topic) or self._new_lane(topic)
+        lane = self._lanes.get(topic)
+        if lane is None:
+            lane = self._new_lane(topic)
         lane.data += data
         self._codes.append(lane.code)
         self._times.append(log_time)
         self._sequences.append(sequence)
         self._rows.append(len(lane.ends))
         lane.ends.append(len(lane.data))
-
-    def append(self, entry: Entry) -> None:
-        """Put a message behind the others."""
-        self.add(*entry)
 
     def of(self, topic: str) -> Iterator[Entry]:
         """The messages of one topic."""
@@ -67,7 +65,7 @@ class Entries(Sequence[Entry]):
 
     def lane(self, topic: str) -> Lane:
         """The contents of one topic's messages."""
-        return self._lanes.get(topic) or Lane(0)
+        return self._lanes.get(topic, Lane(0))
 
     def __len__(self) -> int:
         return len(self._codes)

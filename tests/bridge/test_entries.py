@@ -47,3 +47,8 @@ def test_a_message_costs_little_beside_its_own_bytes():
     lane = kept.lane("state")
     arrays = [value for part in (kept, lane) for value in vars(part).values() if hasattr(value, "__len__")]
     assert sum(map(sys.getsizeof, arrays)) < 10_000 * (100 + 5 * 8) * 1.2
+
+
+def test_there_may_be_as_many_topics_as_a_file_can_have_channels():
+    kept = Entries(Entry(f"topic {k}", 0, 0, b"") for k in range(2**16 + 1))
+    assert kept[-1].topic == f"topic {2**16}"

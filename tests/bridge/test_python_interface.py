@@ -13,7 +13,6 @@ import pytest
 
 import hydrotwin as ht
 from bridge.recording.digest import digest
-from bridge.recording.entries import Entry
 from bridge.recording.words import sentence
 from bridge.runs.in_process import record_in_process
 from hydrotwin.signal import Signal
@@ -110,7 +109,7 @@ def test_the_recording_names_a_law_that_no_file_holds(tmp_path: Path):
 
 def test_topics_of_others_are_not_written_again(tmp_path: Path):
     run = ht.run("step", changes={"duration": 0.02})
-    run.recording.entries.append(Entry("camera", 0, 0, b""))
+    run.recording.entries.add("camera", 0, 0, b"")
     with pytest.raises(ht.UsageError, match="topics that are not ours \\(camera\\): copy the file"):
         run.save(tmp_path / "a.mcap")
 
