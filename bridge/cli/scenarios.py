@@ -20,75 +20,89 @@ if TYPE_CHECKING:
     from bridge.scenario import Scenario
     from bridge.scenario.describe import Value
     from bridge.scenario.of_run import Setting
+    from bridge.scenario.origins import Origins
 
 
 def describe(
     scenario: SCENARIO = "step", changes: CHANGES = None, every: ALL_VALUES = False, as_json: AS_JSON = False
 ) -> None:
     """Print a scenario's circuit: parts, values with their sources, frequencies, travel times, limits of the step."""
-    from bridge.cli.tables import print_table
     from bridge.scenario import load
 
     loaded = load(scenario, changes)
-    from bridge.scenario.describe import (
-        alarms,
-        empty_slots,
-        facts,
-        faults,
-        shown_values,
-        slots_of,
-        step_rows,
-        timeline,
-        values_of,
-        warnings,
-    )
-    from bridge.scenario.of_run import settings_of
     from bridge.scenario.origins import origins
+
+    inherited = origins(scenario, changes or [])
+    if as_json:
+        print_json(_described(loaded, inherited))
+    else:
+        _print(loaded, inherited, every)
+
+
+def _described(scenario: "Scenario", inherited: "Origins") -> dict[str, Any]:
+    from bridge.scenario.describe import facts, slots_of, step_rows, values_of, warnings
+    from bridge.scenario.of_run import settings_of
+    from bridge.scenario.taps import TAP_HEADS, legend
+
+    parameters = _parameters(scenario)
+    plain = {
+        "values": [v._asdict() for v in values_of(scenario, inherited)],
+        "facts": [f._asdict() for f in facts(scenario)],
+        "step": _named(("part", "what", "time", "longest step"), step_rows(scenario)),
+        "settings": [s._asdict() for s in settings_of(scenario, inherited)],
+        "taps": _named(TAP_HEADS, legend(scenario)),
+        "warnings": warnings(scenario),
+        "fitted": _named(("slot", "kind", "chosen by"), slots_of(scenario)),
+    }
+    told = {name: [row._asdict() for row in rows] for name, rows in _happens(scenario).items() if rows}
+    return plain | ({"parameters": parameters} if parameters else {}) | told
+
+
+def _print(scenario: "Scenario", inherited: "Origins", every: bool) -> None:
+    from bridge.cli.tables import print_table
+    from bridge.scenario.describe import empty_slots, shown_values, slots_of, values_of, warnings
     from bridge.scenario.taps import TAP_HEADS, legend
     from bridge.scenario.text_picture import text_picture
 
-    inherited = origins(scenario, changes or [])
-    values, found, steps = values_of(loaded, inherited), facts(loaded), step_rows(loaded)
-    settings, taps, slots = settings_of(loaded, inherited), legend(loaded), slots_of(loaded)
-    parameters = _parameters(loaded)
-    happens = {"timeline": timeline(loaded), "faults": faults(loaded), "alarms": alarms(loaded)}
-    if as_json:
-        plain = {
-            "values": [v._asdict() for v in values],
-            "facts": [f._asdict() for f in found],
-            "step": _named(("part", "what", "time", "longest step"), steps),
-            "settings": [s._asdict() for s in settings],
-            "taps": _named(TAP_HEADS, taps),
-            "warnings": warnings(loaded),
-            "fitted": _named(("slot", "kind", "chosen by"), slots),
-        }
-        told = {name: [row._asdict() for row in rows] for name, rows in happens.items() if rows}
-        print_json(plain | ({"parameters": parameters} if parameters else {}) | told)
-        return
-    print(text_picture(loaded.rig_values()))
-    print_table(TAP_HEADS, taps)
+    print(text_picture(scenario.rig_values()))
+    print_table(TAP_HEADS, legend(scenario))
     print()
-    print_table(("slot", "what is fitted", "chosen by"), slots)
-    if empty := empty_slots(loaded):
+    print_table(("slot", "what is fitted", "chosen by"), slots_of(scenario))
+    if empty := empty_slots(scenario):
         print(f"not fitted: {', '.join(empty)}")
     print()
-    shown = values if every else shown_values(loaded, inherited)
+    values = values_of(scenario, inherited)
+    shown = values if every else shown_values(scenario, inherited)
     print_table(("value", "", "", "source"), [(v.name, v.value, _mark(v), v.source) for v in shown])
     if not every:
         print(f"{len(values) - len(shown)} values of what is not fitted are left out; --all prints them")
-    further = {
-        ("of the run", "", "", "source"): [(s.name, s.value, _own(s), s.source) for s in settings],
-        ("what follows", ""): found,
-        ("part", "what is fast in it", "its time", "longest step that follows"): steps,
-        ("parameter of the law, SI", ""): [(name, str(value)) for name, value in parameters.items()],
-        **{HEADS[name]: rows for name, rows in happens.items()},
-    }
-    for heads, rows in further.items():
+    for heads, rows in _further(scenario, inherited).items():
         if rows:
             print()
             print_table(heads, rows)
-    for line in warnings(loaded):
+    for line in warnings(scenario):
         print(f"warning: {line}")
+
+
+def _further(scenario: "Scenario", inherited: "Origins") -> dict[tuple[str, ...], Any]:
+    """Tables behind that of the values, by their heads."""
+    from bridge.scenario.describe import facts, step_rows
+    from bridge.scenario.of_run import settings_of
+
+    settings = [(s.name, s.value, _own(s), s.source) for s in settings_of(scenario, inherited)]
+    return {
+        ("of the run", "", "", "source"): settings,
+        ("what follows", ""): facts(scenario),
+        ("part", "what is fast in it", "its time", "longest step that follows"): step_rows(scenario),
+        ("parameter of the law, SI", ""): [(name, str(value)) for name, value in _parameters(scenario).items()],
+        **{HEADS[name]: rows for name, rows in _happens(scenario).items()},
+    }
+
+
+def _happens(scenario: "Scenario") -> dict[str, Any]:
+    from bridge.scenario.describe import alarms, faults, timeline
+
+    return {"timeline": timeline(scenario), "faults": faults(scenario), "alarms": alarms(scenario)}
 
 
 HEADS = {  # of what happens in a run
