@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from bridge.errors import RunError, UsageError
 from bridge.machine.children import guarded
+from bridge.machine.memory import give_back
 from bridge.machine.process import Stop
 from bridge.recording.entries import Entry
 from bridge.recording.inbox import WATCHED, inbox, run_of
@@ -129,7 +130,7 @@ class Live:
 
     def _draw(self, drawing: Drawing, finished: Callable[[Drawing], bool], apart: float) -> None:
         """Batches of one run, so many seconds apart, until another one begins."""
-        free, drawn, waiting = True, time.monotonic(), []
+        free, drawn, given, waiting = True, time.monotonic(), 0.0, []
         while True:
             over = self.stop() or finished(drawing)
             time.sleep(PERIOD)
@@ -142,6 +143,9 @@ class Live:
                     drawing.add(part)
                     free = _flushed(drawing.stream, FLUSH)
                 drawn, waiting = time.monotonic(), []
+                if drawn >= given + FILED:  # a busy machine lets much wait at once, which the C library would keep
+                    give_back()
+                    given = drawn
             if over:
                 return
 
