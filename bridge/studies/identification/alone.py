@@ -1,8 +1,9 @@
 """Which of several numbers, changed alone, explains the recordings best? For a rig of which one thing has changed.
 
-Each is fitted by itself, roughly as a fit begins, over shots of a second in which a wrong hypothesis still finds its
-best value. What is left is compared in deviations of the noise, residuals far out tamed: a rod that sticks for a moment
-decides nothing.
+Each is fitted by itself, over shots of a second in which a wrong hypothesis still finds its best value. One needs
+no slopes, which end a fit early where the residual is rough: it is looked for at places ever farther off to both sides,
+then between the best one and its neighbours (R. Brent, Algorithms for Minimization without Derivatives, 1973). What is
+left is compared in deviations of the noise, residuals far out tamed: a rod that sticks for a moment decides nothing.
 """
 
 import math
@@ -11,17 +12,19 @@ from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from bridge.errors import RunError
 from bridge.studies.identification.data import Record
-from bridge.studies.identification.fit import SHORT, Fitted, Values, counted, solve, spread
+from bridge.studies.identification.fit import ROUGH, SHORT, Values, counted, spread
 from bridge.studies.identification.parameters import Parameter
-from bridge.studies.identification.residuals import Residuals, Task
+from bridge.studies.identification.residuals import At, Residuals, Task
 from bridge.studies.identification.simulation import shots_of
 from bridge.studies.identification.taming import tamed
 
-ROUNDS = 5
-CLOSE = 2e-3  # share of what was known before, by which a further round still moves a number
+AROUND = (0.003, 0.01, 0.03, 0.07, 0.12, 0.2, 0.35, 0.6, 1.0, 1.5, 2.0)  # places tried, in deviations known before
+CLOSE = 1e-4  # of these deviations, at which the search between places ends
+MOST = 25  # places of that search
 WORTH = 0.95  # a change that leaves more than this share of the residual explains nothing
 
 
@@ -29,8 +32,13 @@ class Alone(NamedTuple):
     """One number, fitted by itself."""
 
     parameter: Parameter
-    value: float  # SI
+    place: float
     left: float  # tamed residual, in deviations of the noise
+
+    @property
+    def value(self) -> float:
+        """SI."""
+        return self.parameter.value(self.place)
 
 
 class Ranked(NamedTuple):
@@ -66,7 +74,7 @@ def ranked(
     """Fit each number by itself. Raises RunError where the numbers at the start make no circuit."""
     short = spread(shots_of(records, SHORT), records)
     try:
-        before = _left(Task(*base, records, (), short), crew)
+        before = _left(Task(*base, records, (), short), None, crew)
     except ValueError as error:
         raise RunError(f"the rig to start with: {error}") from None
     tried = [_alone(Task(*base, records, [one], short), crew) for one in parameters]
@@ -74,21 +82,30 @@ def ranked(
 
 
 def _alone(task: Task, crew: Executor | None) -> Alone:
-    """Fit one number, and again from where that ends: the starts of the shots are those of the first places."""
-    found = solve(task, np.zeros(1), SHORT, True, crew)
-    moved = abs(float(found.places[0]))
-    for _ in range(ROUNDS):
-        if moved < CLOSE * task.parameters[0].prior:
-            break
-        again = solve(task, found.places, SHORT, True, crew)
-        moved, found = abs(float((again.places - found.places)[0])), again
-    return Alone(task.parameters[0], found.values[0], _tamed(found))
+    """Fit one number; what the starts of the shots explain is found anew where that ends."""
+    one, residuals = task.parameters[0], Residuals(task, crew, ROUGH)
+
+    def left(place: float) -> float:
+        try:
+            return _tamed(task, residuals.at(np.array([place])))
+        except ValueError:  # no circuit
+            return math.inf
+
+    low, high = one.bounds
+    aside = (way * share * one.prior for share in AROUND for way in (-1.0, 1.0))
+    places = sorted({0.0, *(min(max(place, low), high) for place in aside)})
+    found = [left(place) for place in places]
+    best = int(np.argmin(found))
+    ends = places[max(0, best - 1)], places[min(len(places) - 1, best + 1)]
+    options = {"xatol": CLOSE * one.prior, "maxiter": MOST}
+    between = minimize_scalar(left, bounds=ends, method="bounded", options=options)
+    place = float(between.x) if between.fun < found[best] else places[best]
+    return Alone(one, place, _left(task, place, crew))
 
 
-def _left(task: Task, crew: Executor | None) -> float:
-    shots = Residuals(task, crew).at(np.zeros(0))
-    return _tamed(Fitted(np.zeros(0), task, SHORT, shots, np.zeros((0, 0)), 0.0, 0, (), True, np.zeros(0)))
+def _left(task: Task, place: float | None, crew: Executor | None) -> float:
+    return _tamed(task, Residuals(task, crew).at(np.zeros(0) if place is None else np.array([place])))
 
 
-def _tamed(found: Fitted) -> float:
-    return math.sqrt(sum(float((tamed(at.residual) ** 2).sum()) for at in found.shots) / max(1, counted(found)))
+def _tamed(task: Task, shots: Sequence[At]) -> float:
+    return math.sqrt(sum(float((tamed(at.residual) ** 2).sum()) for at in shots) / max(1, counted(task)))

@@ -145,14 +145,14 @@ def spread(shots: list[Shot], records: Sequence[Record], enough: float = ENOUGH)
 def rms(found: Fitted) -> float:
     """Of the residual, in deviations of the noise."""
     squares = sum(float(at.residual @ at.residual) for at in found.shots)
-    return math.sqrt(squares / max(1, counted(found)))
+    return math.sqrt(squares / max(1, counted(found.task)))
 
 
-def counted(found: Fitted) -> int:
-    """Values that were compared."""
-    records = found.task.records
+def counted(task: Task) -> int:
+    """Values that are compared."""
+    records = task.records
     return sum(
         int(signal.counted[shot.begin + 1 : shot.end + 1].sum())
-        for shot in found.task.shots
+        for shot in task.shots
         for signal in records[shot.record].signals
     )

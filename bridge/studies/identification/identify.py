@@ -6,6 +6,8 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from bridge.errors import UsageError
 from bridge.scenario import Scenario, check, load
 from bridge.studies.identification.alone import Ranked, ranked
@@ -100,7 +102,10 @@ def identify(wanted: Wanted, starts: int, part: Path | None, crew: Crew) -> Judg
             ready = ready._replace(parameters=[one for one in ready.parameters if one.name == best])
         several = from_several(wanted, ready.parameters, starts, part, crew) if starts > 1 else None
         began = time.process_time()
-        found = fit(*ready, start=None if several is None else several.best, length=wanted.length, crew=own)
+        start = np.array([order.tried[0].place]) if order is not None else None
+        if several is not None:
+            start = several.best
+        found = fit(*ready, start=start, length=wanted.length, crew=own)
         seconds = time.process_time() - began
         before = found._replace(places=0.0 * found.places, shots=Residuals(found.task, own).afresh(0.0 * found.places))
         other = on_others(found, held, own) if held else None

@@ -9,7 +9,7 @@ numbers wanted it, bars off, holds the numbers to it.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from typing import Any, NamedTuple
 
@@ -24,6 +24,7 @@ ASIDE = {"position": 2.0, "lower": 4.0, "upper": 4.0}  # how far starts are move
 SLOPE, FINEST = 1e-3, 1e-8  # how far numbers are moved for a slope, in places: at first and at most, and at least
 AWAY = 2.0  # by how much the residual is to change then, in deviations all together: phases of swings turn quickly
 JUMP = 1.6 * AWAY  # a greater change is more than the step was chosen for: between two slopes the rod stuck or slid
+ALIKE = 0.95  # cosine between the slopes of two numbers of which the rig may see only a product
 CLOSE = 0.1  # change of the residual, in deviations all together, that no estimate shows
 VAIN = 3  # steps that bring nothing until it ends
 NONE_LEFT = 1e-9  # singular values below this share of the greatest say nothing
@@ -193,9 +194,14 @@ class Residuals:
 
     def slopes(self, u: Array) -> Array:
         """The Jacobian by differences to both sides, where there is room: for what is said of the result."""
-        known = self.at(u)
+        known, used = self.at(u), self.steps
         columns = self._map(lambda j: self._central(u, j, known), range(len(u)))
         self.runs += 2 * len(u)
+        for i, j, factor in _alike(columns):
+            if used[j] != factor * used[i]:
+                self.steps = used = np.where(np.arange(len(u)) == j, factor * used[i], used)
+                columns[j] = self._central(u, j, known)
+                self.runs += 2
         return self._kept(columns)
 
     def _kept(self, columns: list[Array]) -> Array:
@@ -205,8 +211,9 @@ class Residuals:
         slopes are then the same, whatever the rod does on the way.
         """
         found = np.vstack([np.column_stack(columns), np.diag(1.0 / self.priors())])
-        away = np.clip(AWAY / np.linalg.norm(found, axis=0), FINEST, SLOPE)
-        self.steps = np.exp2(np.round(np.log2(away)))
+        self.steps = np.exp2(np.round(np.log2(np.clip(AWAY / np.linalg.norm(found, axis=0), FINEST, SLOPE))))
+        for i, j, factor in _alike(columns):  # each rounded by itself, they might lie on two sides of a half
+            self.steps[j] = factor * self.steps[i]
         return found
 
     def last(self) -> tuple[Array, float]:
@@ -296,6 +303,16 @@ class Residuals:
             return [function(item) for item in items]
         asked: list[Future[Any]] = [self._crew.submit(function, item) for item in items]
         return [future.result() for future in asked]
+
+
+def _alike(columns: list[Array]) -> Iterator[tuple[int, int, float]]:
+    """Numbers i < j whose slopes all but say the same, and the power of two between their steps."""
+    for j in range(1, len(columns)):
+        for i in range(j):
+            a, b = np.linalg.norm(columns[i]), np.linalg.norm(columns[j])
+            if abs(columns[i] @ columns[j]) > ALIKE * a * b:
+                yield i, j, float(np.exp2(np.round(np.log2(a / b))))
+                break
 
 
 def _without_starts(known: list[At], slopes: list[Array]) -> Array:
