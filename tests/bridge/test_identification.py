@@ -13,6 +13,7 @@ from bridge.errors import UsageError
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import changed, load
 from bridge.scenario.circuit import in_memory
+from bridge.studies.identification import alone
 from bridge.studies.identification.alone import ranked
 from bridge.studies.identification.discrepancy import scattered
 from bridge.studies.identification.fit import Fitted
@@ -96,6 +97,34 @@ def test_a_slope_is_taken_on_the_side_on_which_nothing_jumps():
     assert found == pytest.approx(200.0)
 
 
+def test_numbers_that_are_seen_as_a_product_keep_steps_of_one_ratio():
+    """Steps that another motion has left at one to one: the rod would stick for one of the two alone, by 1 %."""
+    product, sticks = np.sin(np.arange(100.0)), np.where(np.arange(100) < 40, 0.0, 0.01)
+    residuals: Any = Residuals.__new__(Residuals)
+    residuals.task = SimpleNamespace(parameters=[SimpleNamespace(prior=0.1)] * 2)
+    residuals.runs, residuals.at, residuals._map = 0, lambda u: [], lambda f, items: [f(item) for item in items]
+    residuals.steps = np.array([2.0**-18, 2.0**-18])
+    other = lambda: residuals.steps[1] != 2.0 * residuals.steps[0]  # noqa: E731
+    residuals._central = lambda u, j, known: 1e5 * (product, -0.5 * (product + sticks * other()))[j]
+    found = residuals.slopes(np.zeros(2))[:-2]
+    assert np.linalg.norm(found[:, 0] + 2.0 * found[:, 1]) < 1e-9 * np.linalg.norm(found)
+    assert residuals.steps[1] == 2.0 * residuals.steps[0]
+
+
+@pytest.mark.parametrize(("truth", "width"), [(0.262, 0.2), (-3.0, 1.0)])
+def test_one_number_is_found_in_a_valley_of_rough_ground(truth: float, width: float, monkeypatch: pytest.MonkeyPatch):
+    """The residual of a swing out of phase: beyond the valley flat and rough to 5 %."""
+
+    def left(task: Any, shots: Any) -> float:
+        away = abs(float(shots[0]) - truth) / width
+        return math.hypot(1.0, 10.0 * math.tanh(away)) * (1.0 + 0.05 * math.sin(1e3 * away) * (away > 1.0))
+
+    monkeypatch.setattr(alone, "_tamed", left)
+    monkeypatch.setattr(alone, "Residuals", lambda *_: SimpleNamespace(at=lambda u: u))
+    task = SimpleNamespace(parameters=[SimpleNamespace(prior=math.log(10.0), bounds=(-9.0, 9.0))])
+    assert alone._alone(cast("Any", task), None).place == pytest.approx(truth, abs=2e-3)
+
+
 def test_numbers_that_differ_from_stretch_to_stretch_have_intervals_that_hold_another_stretch():
     """Measured is theta x with theta 0.1 off its mean in each of 60 stretches: other ones are off by as much.
 
@@ -116,7 +145,7 @@ def test_numbers_that_differ_from_stretch_to_stretch_have_intervals_that_hold_an
 
 @pytest.mark.parametrize(("mass", "named"), [(260.0, "rig.load.mass"), (200.0, None)])
 def test_the_one_number_that_has_changed_is_named_and_none_where_nothing_has(mass: float, named: str | None):
-    """3 s of motion tell a mass of 260 kg to 0.1 %; rough fits over shots of a second end within 2 %."""
+    """3 s of motion tell a mass of 260 kg to 0.1 %; shots of a second over 3 s of it to 0.5 %."""
     plain = load(str(trial.SCENARIO)).model_dump(mode="json")
     plain["reference"]["csv"] = trial.excitation(1, 3.0)
     own = changed(plain, ["duration=3 s"], "rig")
@@ -126,7 +155,7 @@ def test_the_one_number_that_has_changed_is_named_and_none_where_nothing_has(mas
         found = ranked((own.rig_values(), own.loop.step), [record], numbers, None)
     assert (found.best and found.best.parameter.name) == named
     if found.best:
-        assert found.best.value == pytest.approx(mass, rel=0.02)
+        assert found.best.value == pytest.approx(mass, rel=0.005)
 
 
 def test_a_suggested_excitation_keeps_its_limits_and_is_a_scenario(tmp_path: Path):

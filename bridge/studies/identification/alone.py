@@ -25,7 +25,7 @@ from bridge.studies.identification.taming import tamed
 AROUND = (0.003, 0.01, 0.03, 0.07, 0.12, 0.2, 0.35, 0.6, 1.0, 1.5, 2.0)  # places tried, in deviations known before
 CLOSE = 1e-4  # of these deviations, at which the search between places ends
 MOST = 25  # places of that search
-WORTH = 0.95  # a change that leaves more than this share of the residual explains nothing
+WORTH = 0.8  # a change that leaves more than this share of the residual explains nothing
 
 
 class Alone(NamedTuple):
