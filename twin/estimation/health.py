@@ -18,10 +18,11 @@ distributed like Student's t, of (n - 1)/c^2 degrees of freedom where C makes up
 (F. E. Satterthwaite, Biometrics 2, 1946); it is turned into the normal deviate of the same tail, so that one limit
 serves all.
 
-An alarm needs `persistence` looks in a row above the limit L. With m one-sided hypotheses (one of both signs counts
-twice) and N looks per hour the expected number of false alarms per hour is at most N m Q(L), whatever the correlation
-of looks and of hypotheses (Boole's inequality), with Q the normal tail. L makes this the number that is asked for.
-Neighbouring windows share most of their looks, and a run of looks is rarer than one look, so it is fewer.
+An alarm needs `persistence` looks in a row above the limit L, a name as many in which it is the likeliest. With m
+one-sided hypotheses (one of both signs counts twice) and N looks per hour the expected number of false alarms per hour
+is at most N m Q(L), whatever the correlation of looks and of hypotheses (Boole's inequality), with Q the normal tail. L
+makes this the number that is asked for. Neighbouring windows share most of their looks, and a run of looks is rarer
+than one look, so it is fewer.
 """
 
 import math
@@ -51,7 +52,8 @@ class Rules(NamedTuple):
     margin: float = 2.0 * math.log(100.0)  # of twice the log likelihood; a hundred times as likely as the next
     healthy: float = 0.1  # what a healthy rig wanders by, as a share of the deviations of the unknowns at the start
     explained: float = 1.5  # mean square of whitened innovations up to which sizes are believed; 1 for a right model
-    known: float = 0.5  # an unknown counts as known once its deviation is less than this share of that at the start
+    known: float = 0.5  # an unknown counts as known once its deviation, if it moves alone, is less than this share of
+    # that at the start
 
 
 class Knowledge(NamedTuple):
@@ -142,6 +144,7 @@ class Judge:
         self._looks: deque[Array] = deque(maxlen=self.rules.commissioning)
         self._covariances: deque[Array] = deque(maxlen=self.rules.window)
         self._alarm, self._against, self._since = False, 0, math.nan
+        self._first, self._firsts = "", 0  # the likeliest hypothesis, and in how many looks in a row
         self._begin(math.nan)
 
     def take(self, known: Knowledge) -> Health | None:
@@ -189,7 +192,8 @@ class Judge:
         stated = own + np.diag((self.rules.healthy * self._start) ** 2)
         whole = stated + baseline.scatter
         weights = _inverse(stated + np.diag(np.diag(baseline.scatter)), self._start)
-        known = np.sqrt(np.diag(own)) < self.rules.known * self._start
+        alone = 1.0 / np.sqrt(np.diag(_inverse(own, self._start)))  # deviation of each, the others as they were
+        known = alone < self.rules.known * self._start
         found = {}
         for name, hypothesis in self.hypotheses.items():
             place = self.names.index(hypothesis.unknown)
@@ -208,12 +212,15 @@ class Judge:
             return Health(stamp, Verdict.NOT_KNOWN, (), math.nan, math.nan, findings)
         order = sorted(gains, key=gains.__getitem__, reverse=True)
         first = gains[order[0]]
+        self._first, self._firsts = order[0], self._firsts + 1 if order[0] == self._first else 1
         if not self._lasting(first > self.limit**2, stamp):
             return Health(stamp, Verdict.HEALTHY, (), math.nan, math.nan, findings, self._explained)
         likely = tuple(name for name in order if first - gains[name] < self.rules.margin)
         weights = [math.exp(0.5 * (gain - first)) for gain in gains.values()]
         confidence = 1.0 / (sum(weights) + math.exp(-0.5 * first))
-        verdict = Verdict.FAULT if len(likely) == 1 else Verdict.ONE_OF
+        verdict = Verdict.FAULT if len(likely) == 1 and self._firsts >= self.rules.persistence else Verdict.ONE_OF
+        if verdict is Verdict.ONE_OF and len(likely) == 1:
+            likely = tuple(order[:2])
         return Health(stamp, verdict, likely, confidence, self._since, findings, self._explained)
 
     def _lasting(self, beyond: bool, stamp: float) -> bool:

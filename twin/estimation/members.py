@@ -23,14 +23,14 @@ class Members:
         self.taps = np.zeros((count, 2, len(CHANNELS)))  # as of `buffers`
         self.seen = np.zeros((count, len(OBSERVED)))
         plant = compiled(circuit)
-        self._references = np.zeros(count)
+        self._unknowns, self._references = unknowns, np.zeros(count)
         own: Any = (unknowns.records, plant.whole, plant.numbers, states, self._references, 1, self.taps, self.seen)
         self._run = entry(_run_members, *own)
         self._before, self._behind = own[:5], own[6:]
 
     def run(self, reference: float | Array, steps: int) -> None:
         """Advance all by some steps under a spool reference, or one of each; with 0 steps only look at them."""
-        self._references[:] = reference
+        self._references[:] = reference + self._unknowns.spool_offsets
         self._run(*self._before, steps, *self._behind)
 
 

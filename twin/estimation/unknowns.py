@@ -1,8 +1,9 @@
 """What a twin beside a rig does not know: slowly wandering numbers, each a further state of the estimate.
 
-A factor f = exp(z) on numbers of the circuit, which stays positive whatever z is, or an offset in SI; z is Gaussian, a
-random walk: its deviation at the start, and its drift per square root of a second. Both are assumed. They are the
-model's only errors that are stated: what else is wrong with the model is put down to them.
+A factor f = exp(z) on numbers of the circuit, which stays positive whatever z is; an offset in SI; or a leak beside
+those of the circuit, g z sqrt(1 + (z/3)^2), of one measure g for all leaks, or three that act on two chambers would not
+be told apart. z is Gaussian, a random walk: its deviation at the start, and its drift per square root of a second. Both
+are assumed. They are the model's only errors that are stated: what else is wrong with the model is put down to them.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -13,14 +14,15 @@ from numpy.typing import NDArray
 
 from twin.circuit.block import record
 from twin.circuit.step import Parts
-from twin.estimation.quantities import LOAD_FORCE, OFFSETS, UNKNOWNS
+from twin.estimation.quantities import BEND, CREEP, LEAKS, LOAD_FORCE, OFFSETS, UNKNOWNS, VALVE_OFFSET
 from twin.topology import CHANNELS
 
 Array = NDArray[np.float64]
+ADDED = (LOAD_FORCE, VALVE_OFFSET, *OFFSETS)  # whatever the numbers of the circuit are
 
 
 class Prior(NamedTuple):
-    """What is assumed of one of UNKNOWNS: deviation at the start and drift per sqrt(s), of z."""
+    """What is assumed of one of UNKNOWNS: deviation at the start and drift per sqrt(s), of z, in its measure."""
 
     deviation: float
     drift: float
@@ -33,14 +35,14 @@ def weight_of(parts: Parts) -> float:
 
 
 def priors(parts: Parts, given: Mapping[str, Prior] | None = None) -> dict[str, Prior]:
-    """Of the unknowns that a circuit has, those that are not certain; given: others than the table's."""
+    """Of z, of the unknowns that a circuit has, those that are not certain; given: others than the table's."""
     found = {}
     for name, unknown in UNKNOWNS.items():
-        scale = weight_of(parts) if name == LOAD_FORCE else 1.0
-        prior = (given or {}).get(name, Prior(scale * unknown.deviation, scale * unknown.drift))
-        there = name in OFFSETS or any(_value(parts, field) for field in unknown.fields) or name == LOAD_FORCE
-        if there and max(prior) > 0.0:
-            found[name] = prior
+        deviation, drift = (given or {}).get(name, Prior(unknown.deviation, unknown.drift))
+        there = name in ADDED or any(_value(parts, field) for field in unknown.fields)
+        if there and max(deviation, drift) > 0.0:
+            scale = weight_of(parts) if name == LOAD_FORCE else 1.0
+            found[name] = Prior(scale * deviation, scale * drift)
     return found
 
 
@@ -58,8 +60,14 @@ class Unknowns:
 
     def __init__(self, parts: Parts, names: Iterable[str], members: int) -> None:
         self.names = tuple(names)
+        self._leaks = {
+            place: CREEP * float(getattr(parts.cylinder, LEAKS[name]))
+            for place, name in enumerate(self.names)
+            if name in LEAKS
+        }
         self.records = np.repeat(record(parts), members)
         self.offsets = np.zeros((members, len(CHANNELS)))  # of the transducers
+        self.spool_offsets = np.zeros(members)
         self._written = [*self._places(parts)]
 
     def _places(self, parts: Parts) -> Iterator[tuple[int, NDArray[Any], float]]:
@@ -78,13 +86,25 @@ class Unknowns:
         for place, name in enumerate(self.names):
             if name in OFFSETS:
                 self.offsets[:, OFFSETS.index(name)] = values[:, place]
+            elif name == VALVE_OFFSET:
+                self.spool_offsets[:] = values[:, place]
 
     def values(self, z: Array) -> Array:
-        """Factors, and offsets in SI."""
+        """Factors, and offsets and leaks in SI."""
         values = z.copy()
         factors = [not UNKNOWNS[name].unit for name in self.names]
         values[:, factors] = np.exp(z[:, factors])
+        for place, measure in self._leaks.items():
+            values[:, place] = measure * z[:, place] * np.hypot(1.0, z[:, place] / BEND)
         return values
+
+    def in_si(self, name: str, size: float, deviation: float) -> tuple[float, float]:
+        """A change of z, with its deviation: of a leak or an offset in SI, of a factor its logarithm."""
+        measure = self._leaks.get(self.names.index(name))
+        if measure is None:
+            return size, deviation
+        bent = float(np.hypot(1.0, size / BEND))
+        return measure * size * bent, measure * deviation * (2.0 * bent - 1.0 / bent)
 
 
 def _has(parts: Any, path: str) -> bool:
