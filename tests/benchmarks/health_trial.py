@@ -3,6 +3,7 @@
     python -m tests.benchmarks.health_trial trial.part                  run what is missing, then print shares
     python -m tests.benchmarks.health_trial trial.part --rounds 3       the first rounds only
     python -m tests.benchmarks.health_trial trial.part --part 0/2       every other round, for two processes
+    python -m tests.benchmarks.health_trial trial.part --in-order 600   rigs in order alone, each for 600 s
     python -m tests.benchmarks.health_trial trial.part --shares         print what is there
 
 A round is one rig, in motion with a sine or random steps, with noise of its own. It is watched for 30 s; at 33 s the
@@ -50,8 +51,9 @@ class Trial(NamedTuple):
     times: Mapping[str, float] = {}  # factors on numbers of the rig
 
 
+IN_ORDER = "in order"
 TRIALS = {
-    "in order": Trial("", 30),
+    IN_ORDER: Trial("", 30),
     "leak x3": Trial("leak_across", 30, {"target": "cylinder", "kind": "leak", "factor": 3.0}),
     "leak x10": Trial("leak_across", 8, {"target": "cylinder", "kind": "leak", "factor": 10.0}),
     "leak x30": Trial("leak_across", 8, {"target": "cylinder", "kind": "leak", "factor": 30.0}),
@@ -92,9 +94,8 @@ def motion(seed: int, duration: int) -> dict[str, Any]:
     return {"kind": "table", "csv": "time_s,position_m\n" + "\n".join(lines) + "\n"}
 
 
-def rigs(seed: int) -> tuple[Scenario, Scenario]:
-    """What runs, and what the twins know of it."""
-    longest = AT + max(trial.wait for trial in TRIALS.values())
+def rigs(seed: int, longest: int) -> tuple[Scenario, Scenario]:
+    """What runs for so long [s], and what the twins know of it."""
     base = load("sine").model_dump(mode="json")
     base |= {"duration": float(longest), "seed": seed, "reference": motion(seed, longest)}
     known = check(base, "known")
@@ -107,12 +108,12 @@ def rigs(seed: int) -> tuple[Scenario, Scenario]:
     return check(base, "true"), known
 
 
-def watched(seed: int, journal: Journal) -> None:
+def watched(seed: int, journal: Journal, trials: Mapping[str, Trial]) -> None:
     """A round: every run of it that is missing."""
-    missing = [name for name in TRIALS if key_of(point(seed, name)) not in journal.found]
+    missing = [name for name in trials if key_of(point(seed, name)) not in journal.found]
     if not missing:
         return
-    truth, known = rigs(seed)
+    truth, known = rigs(seed, AT + max(trial.wait for trial in trials.values()))
     side = FollowerSide(known, watching(Settings()), seed=1 + seed, rules=RULES)
     assert side.health is not None
     plant, controller = sides(truth)
@@ -129,8 +130,8 @@ def watched(seed: int, journal: Journal) -> None:
             mine = forked(missing)
             if not mine:
                 return
-            begin(TRIALS[mine], plant, truth)
-            end += TRIALS[mine].wait * 1000
+            begin(trials[mine], plant, truth)
+            end += trials[mine].wait * 1000
 
 
 def forked(names: Sequence[str]) -> str:
@@ -193,7 +194,7 @@ def shares(journal: Journal) -> None:
         told = ", ".join(f"{np.median(values):.1f} s" if values else "-" for values in (alarms, waits))
         both = f"{share(len(hit), len(of)):>27}  {share(len(wrong), len(of)):>27}"
         print(f"{name:22}{len(of):4}  {len(alarms):5}  {both}  {told}")
-    in_order = [result for point, result in rows if point["trial"] == "in order"]
+    in_order = [result for point, result in rows if point["trial"].startswith(IN_ORDER)]
     alarms = sum(result["alarm"] is not None for result in in_order)
     hours = sum(result["judged"] for result in in_order) / 3600.0
     most = 0.5 * _chi_squared(2 * alarms + 2) / hours if hours else math.inf  # Poisson, exact
@@ -222,13 +223,15 @@ def main() -> None:
     parser.add_argument("part_file", type=Path)
     parser.add_argument("--rounds", type=int, default=ROUNDS)
     parser.add_argument("--part", default="0/1")
+    parser.add_argument("--in-order", type=int, metavar="SECONDS")
     parser.add_argument("--shares", action="store_true")
     asked = parser.parse_args()
     part, parts = map(int, asked.part.split("/"))
+    trials = {f"{IN_ORDER}, {asked.in_order} s": Trial("", asked.in_order)} if asked.in_order else TRIALS
     told = {"title": "health", "twin": fingerprint(), "rules": repr(RULES)}
     if not asked.shares:
         for seed in range(part, asked.rounds, parts):
-            watched(seed, Journal(asked.part_file, told))
+            watched(seed, Journal(asked.part_file, told), trials)
     shares(Journal(asked.part_file, told))
 
 
