@@ -23,7 +23,7 @@ from controller.grid import NS, last_due
 from controller.hold import Hold
 from twin.estimation.filter import Estimate, Filter
 from twin.estimation.health import Rules
-from twin.estimation.quantities import LEAKS_OUTSIDE, UNKNOWNS, Standing
+from twin.estimation.quantities import UNKNOWNS, Standing
 from twin.estimation.settings import Settings
 from twin.sensors import card_of, put_out
 from twin.topology import CHANNELS
@@ -32,7 +32,6 @@ COARSE = 100_000  # longest step of the twins [ns]: waves in the rig's lines are
 PATIENCE = 20_000_000  # of simulated time [ns]: later commands act late
 SILENCE = NS // 5  # without a command after joining [ns]
 RETRY = NS // 2  # after a beginning it may be lost for so long before it begins anew [ns]
-TIGHT = 1e18  # [Pa s/m^3], of a leak that is there and loses nothing
 LONGEST_GAP = 5 * NS  # without a scan; what was known before that is worth nothing
 
 
@@ -49,7 +48,7 @@ class FollowerSide:
 
     def __init__(self, scenario: Scenario, settings: Settings, seed: int = 1, rules: Rules | None = None) -> None:
         """rules: of a judge of its health, if there is to be one. Raises UsageError where they do not fit the rig."""
-        self.scenario = followed(scenario, any(name in settings.unknowns for name in LEAKS_OUTSIDE))
+        self.scenario = followed(scenario)
         self.grid = self.scenario.loop.grid()
         self._settings, self._seed = settings, seed
         self._refuse_unknown()
@@ -238,15 +237,9 @@ def warm_up(scenario: Scenario, settings: Settings) -> None:
     side.filter.estimate(0.0)
 
 
-def followed(scenario: Scenario, leaks_outside: bool = False) -> Scenario:
-    """The scenario as a twin beside it knows it: without what is to happen, and with a longer step where that does.
-
-    leaks_outside: of a cylinder that may begin to leak; one that is tight is built without such leaks.
-    """
+def followed(scenario: Scenario) -> Scenario:
+    """The scenario as a twin beside it knows it: without what is to happen, and with a longer step where that does."""
     data: dict[str, Any] = scenario.model_dump(mode="json") | {"timeline": [], "fault": [], "expect": []}
-    if leaks_outside:
-        cylinder = data["rig"]["cylinder"]
-        cylinder |= {name: min(float(cylinder[name]), TIGHT) for name in ("outside_lower", "outside_upper")}
     known = check(data, scenario.name)
     grid = known.loop.grid()
     for step in range(COARSE, grid.step, -grid.step):

@@ -15,7 +15,7 @@ from twin.estimation.quantities import Standing, Use
 from twin.estimation.settings import Settings
 from twin.estimation.unknowns import Prior
 
-FEWEST = 32  # members, of an estimate with all the unknowns of faults
+FEWEST = 28  # members, of an estimate with all the unknowns of faults
 UNKNOWN = Finding(float("nan"), float("nan"), float("nan"))
 
 
@@ -36,27 +36,26 @@ class HealthSide:
             self.judge = Judge({name: prior.deviation for name, prior in filter_.priors.items()}, rules)
         except ValueError as error:
             raise UsageError(f"health: {error}") from None
-        self.latest = self.judge.latest  # after the newest look, sizes in SI
         self.told: list[str] = []  # each verdict that is another than the one before, in words
+
+    @property
+    def latest(self) -> Health:
+        """After the newest look."""
+        return self.judge.latest
 
     def take(self, estimate: Estimate) -> dict[str, Any] | None:
         """After a correction; the numbers of a message where it ends a look."""
         z, following = self._filter.z, estimate.standing == Standing.FOLLOWING
-        before = self.latest
+        before = self.judge.latest
         squares = [found.verdict.nis for found in estimate.innovations.values() if found.use is Use.USED]
         worst = max((square for square in squares if not math.isnan(square)), default=math.inf)
         covariance = np.atleast_2d(np.cov(z.T))
         health = self.judge.take(Knowledge(estimate.stamp, following, z.mean(axis=0), covariance, worst))
         if health is None:
             return None
-        self.latest = health = health._replace(findings={n: self._in_si(n, f) for n, f in health.findings.items()})
         if (health.verdict, health.suspects) != (before.verdict, before.suspects):
             self.told.append(words_of(health))
         return {"limit": self.judge.limit, **fields(health)}
-
-    def _in_si(self, name: str, found: Finding) -> Finding:
-        size = self._filter.unknowns.in_si(HYPOTHESES[name].unknown, found.size, found.deviation)
-        return Finding(found.deviate, *size)
 
 
 def words_of(health: Health) -> str:

@@ -37,7 +37,6 @@ from twin.estimation.settings import Settings
 AT = 33  # [s], when the fault comes
 ROUNDS = 20
 RULES = Rules()
-DRIP = 1e15  # [Pa s/m^3], of the chambers to the outside at first; a thousandth passes 0.6 l/min at 100 bar
 ORDER = {"command": 0, "event": 1}
 OFF = ("load.mass", "valve.rated_flow", "seal.limit", "seal.alpha", "cylinder.leakage_resistance")
 
@@ -62,8 +61,6 @@ TRIALS = {
     "valve gain -8 %": Trial("valve_gain", 8, times={"valve.rated_flow": 0.92}),
     "load +30 %": Trial("load", 8, times={"load.mass": 1.3}),
     "valve offset 2 %": Trial("valve_offset", 8, {"target": "valve", "kind": "bias", "size": 0.02}),
-    "leak outside, lower": Trial("leak_outside_lower", 8, times={"cylinder.outside_lower": 1e-3}),
-    "leak outside, upper": Trial("leak_outside_upper", 8, times={"cylinder.outside_upper": 1e-3}),
     "filter x30": Trial("filter_blocked", 8, {"target": "filter", "kind": "blocked", "factor": 30.0}),
     "pump leak x2": Trial("pump_wear", 8, {"target": "pump", "kind": "wear", "factor": 2.0}),
     "p2 drifts, 1 bar/min": Trial("sensor_p2", 35, {"target": "sensor.p2", "kind": "drift", "rate": 1e5 / 60.0}),
@@ -99,7 +96,6 @@ def rigs(seed: int, longest: int) -> tuple[Scenario, Scenario]:
     base = load("sine").model_dump(mode="json")
     base |= {"duration": float(longest), "seed": seed, "reference": motion(seed, longest)}
     known = check(base, "known")
-    base["rig"]["cylinder"] |= dict.fromkeys(("outside_lower", "outside_upper"), DRIP)
     if seed % 2:
         signs = np.random.default_rng(seed).choice([0.9, 1.1], len(OFF))
         for name, factor in zip(OFF, signs, strict=True):

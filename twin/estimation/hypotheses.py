@@ -7,16 +7,14 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from twin.estimation.quantities import LEAK, LEAKS, UNKNOWNS
+from twin.estimation.quantities import UNKNOWNS
 from twin.topology import PRESSURES
 
 EITHER, UP, DOWN = 0, 1, -1
-SHOWN_AT = 60e3 * 100e5  # [Pa], and l/min of m^3/s
 
 WATCHED = {  # deviation at the start and drift per sqrt(s) of unknowns whose faults are looked for, all assumed
-    "leakage": (0.0, 0.0),  # leak_across in its place: three leaks are told apart only by one measure for all
-    **dict.fromkeys(LEAKS, (1.0, 0.05)),
-    "valve_offset": (0.01, 0.0005),
+    "leakage": (0.5, 0.03),  # leaks grow by factors
+    "valve_offset": (0.003, 0.0003),  # of the travel
     "filter_drop": (0.5, 0.03),  # of a filter that becomes dirty
     "mass": (0.0, 0.0),  # certain: another load is found by its weight, as load_force
     **{f"offset_{name}": (0.5e5, 0.03e5) for name in PRESSURES},  # [Pa]: 1 bar in a minute is 0.13 bar per sqrt(min)
@@ -42,9 +40,7 @@ class Hypothesis(NamedTuple):
 
 
 HYPOTHESES = {
-    "leak_across": Hypothesis("leak across the piston", "leak_across", UP),
-    "leak_outside_lower": Hypothesis("leak of the lower chamber to the outside", "leak_lower", UP),
-    "leak_outside_upper": Hypothesis("leak of the upper chamber to the outside", "leak_upper", UP),
+    "leak_across": Hypothesis("leak across the piston", "leakage", UP),
     "friction": Hypothesis("friction of the actuator: a worn seal has less, a stiff one more", "friction", EITHER),
     "air_in_oil": Hypothesis("air in the oil, a lower bulk modulus", "bulk_modulus", DOWN),
     "valve_gain": Hypothesis("gain of the directional valve", "valve_gain", EITHER),
@@ -64,8 +60,6 @@ HYPOTHESES = {
 def in_words(name: str, size: float, deviation: float) -> str:
     """What a hypothesis says, with its size since the commissioning: the factor on its unknown, or an offset in SI."""
     unit = UNKNOWNS[HYPOTHESES[name].unknown].unit
-    if unit == LEAK:
-        size, deviation, unit = size * SHOWN_AT, deviation * SHOWN_AT, "l/min at 100 bar"
     if unit:
         return f"{HYPOTHESES[name].words}, {size:+.3g} {unit} (+- {deviation:.2g})"
     low, high = math.exp(size - deviation), math.exp(size + deviation)

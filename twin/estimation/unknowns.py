@@ -1,9 +1,8 @@
 """What a twin beside a rig does not know: slowly wandering numbers, each a further state of the estimate.
 
-A factor f = exp(z) on numbers of the circuit, which stays positive whatever z is; an offset in SI; or a leak beside
-those of the circuit, g z sqrt(1 + (z/3)^2), of one measure g for all leaks, or three that act on two chambers would not
-be told apart. z is Gaussian, a random walk: its deviation at the start, and its drift per square root of a second. Both
-are assumed. They are the model's only errors that are stated: what else is wrong with the model is put down to them.
+A factor f = exp(z) on numbers of the circuit, which stays positive whatever z is, or an offset in SI; z is Gaussian, a
+random walk: its deviation at the start, and its drift per square root of a second. Both are assumed. They are the
+model's only errors that are stated: what else is wrong with the model is put down to them.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from twin.circuit.block import record
 from twin.circuit.step import Parts
-from twin.estimation.quantities import BEND, CREEP, LEAKS, LOAD_FORCE, OFFSETS, UNKNOWNS, VALVE_OFFSET
+from twin.estimation.quantities import LOAD_FORCE, OFFSETS, UNKNOWNS, VALVE_OFFSET
 from twin.topology import CHANNELS
 
 Array = NDArray[np.float64]
@@ -60,11 +59,6 @@ class Unknowns:
 
     def __init__(self, parts: Parts, names: Iterable[str], members: int) -> None:
         self.names = tuple(names)
-        self._leaks = {
-            place: CREEP * float(getattr(parts.cylinder, LEAKS[name]))
-            for place, name in enumerate(self.names)
-            if name in LEAKS
-        }
         self.records = np.repeat(record(parts), members)
         self.offsets = np.zeros((members, len(CHANNELS)))  # of the transducers
         self.spool_offsets = np.zeros(members)
@@ -90,21 +84,11 @@ class Unknowns:
                 self.spool_offsets[:] = values[:, place]
 
     def values(self, z: Array) -> Array:
-        """Factors, and offsets and leaks in SI."""
+        """Factors, and offsets in SI."""
         values = z.copy()
         factors = [not UNKNOWNS[name].unit for name in self.names]
         values[:, factors] = np.exp(z[:, factors])
-        for place, measure in self._leaks.items():
-            values[:, place] = measure * z[:, place] * np.hypot(1.0, z[:, place] / BEND)
         return values
-
-    def in_si(self, name: str, size: float, deviation: float) -> tuple[float, float]:
-        """A change of z, with its deviation: of a leak or an offset in SI, of a factor its logarithm."""
-        measure = self._leaks.get(self.names.index(name))
-        if measure is None:
-            return size, deviation
-        bent = float(np.hypot(1.0, size / BEND))
-        return measure * size * bent, measure * deviation * (2.0 * bent - 1.0 / bent)
 
 
 def _has(parts: Any, path: str) -> bool:
