@@ -9,6 +9,7 @@ import json
 import subprocess
 import sys
 
+PROGRAM = (sys.executable, "-m", "bridge")
 BANDS = ("valve travel <= 20", "peak p_lower <= 120 bar", "max error <= 20 mm")
 
 
@@ -16,7 +17,7 @@ def main(rig: str, gain: str, *link: str) -> int:
     """Ask, and set what is not refused; link: such as --connect ADDRESS."""
     change = f"controller.gain={gain}"
     expected = [word for band in BANDS for word in ("--expect", band)]
-    asked = ["hydrotwin", "whatif", rig, "--set", change, "--horizon", "5 s", *expected, "--json", *link]
+    asked = [*PROGRAM, "whatif", rig, "--set", change, "--horizon", "5 s", *expected, "--json", *link]
     answer = subprocess.run(asked, capture_output=True, text=True)
     if answer.returncode > 1 or not answer.stdout:
         print(answer.stderr.strip(), file=sys.stderr)
@@ -27,7 +28,7 @@ def main(rig: str, gain: str, *link: str) -> int:
     if not found["passed"]:
         print(f"{change} refused: nothing was set")
         return 1
-    return subprocess.run(["hydrotwin", "set", rig, change, *link]).returncode
+    return subprocess.run([*PROGRAM, "set", rig, change, *link]).returncode
 
 
 if __name__ == "__main__":
