@@ -10,8 +10,8 @@ from twin.estimation.health import Health, Judge, Knowledge, Rules, Verdict, bas
 from twin.estimation.hypotheses import HYPOTHESES
 from twin.estimation.quantities import UNKNOWNS
 
-NAMES = ("leak_across", "friction", "valve_gain")
-PRIORS = {"leak_across": 0.5, "friction": 0.1, "valve_gain": 0.1}
+NAMES = ("leakage", "friction", "valve_gain")
+PRIORS = {"leakage": 0.5, "friction": 0.1, "valve_gain": 0.1}
 EXACT = Rules(look=1.0, window=1, persistence=1, healthy=0.0)
 SURE = 1e-12 * np.eye(3)
 STILL = np.full(3, 1e-5)  # deviations of looks that all but repeat themselves
