@@ -69,3 +69,13 @@ def test_readings_that_are_alike_count_as_fewer():
         squares.append(watch.verdict().square)
     assert np.mean(squares) == pytest.approx(WINDOW * found.mean(axis=1).var(), rel=0.2)
     assert np.mean(squares) > 3.0
+
+
+def test_a_channel_at_the_end_of_its_range_says_nothing_of_the_model():
+    """Readings and expectations are clipped at one value: every innovation is 0, no correlation is known."""
+    watch = Watch(1.0, (0.0, 10.0))
+    watch.note(np.zeros(200))
+    found = watch.verdict()
+    assert found.nis == 0.0
+    assert math.isnan(found.whiteness)
+    assert math.isnan(found.square)

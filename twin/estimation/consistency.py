@@ -32,7 +32,7 @@ class Verdict(NamedTuple):
     """Of a channel, over the window."""
 
     nis: float  # mean square of the whitened innovations, 1 as long as the model is right; NaN: too few
-    whiteness: float  # their correlation from one to the next, 0 as long as it is right; NaN: too few
+    whiteness: float  # their correlation from one to the next, 0 as long as it is right; NaN: too few, or all are 0
     readings: int
 
     @property
@@ -105,4 +105,6 @@ class Watch:
         if len(found) < FEWEST:
             return Verdict(math.nan, math.nan, len(found))
         square = float((found * found).mean())
+        if square == 0.0:  # what is read and what is expected lie at the same end of a range
+            return Verdict(0.0, math.nan, len(found))
         return Verdict(square, float((found[1:] * found[:-1]).mean()) / square, len(found))
