@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from bridge.errors import RunError
-from bridge.studies.identification.data import Record
+from bridge.studies.identification.data import Array, Record
 from bridge.studies.identification.fit import ROUGH, SHORT, Values, counted, spread
 from bridge.studies.identification.parameters import Parameter
 from bridge.studies.identification.residuals import At, Residuals, Task
@@ -32,7 +32,7 @@ class Alone(NamedTuple):
     """One number, fitted by itself."""
 
     parameter: Parameter
-    place: float
+    place: float  # of the parameter: of a positive number the logarithm over its start
     left: float  # tamed residual, in deviations of the noise
 
     @property
@@ -74,7 +74,7 @@ def ranked(
     """Fit each number by itself. Raises RunError where the numbers at the start make no circuit."""
     short = spread(shots_of(records, SHORT), records)
     try:
-        before = _left(Task(*base, records, (), short), None, crew)
+        before = _left(Task(*base, records, (), short), np.zeros(0), crew)
     except ValueError as error:
         raise RunError(f"the rig to start with: {error}") from None
     tried = [_alone(Task(*base, records, [one], short), crew) for one in parameters]
@@ -100,11 +100,11 @@ def _alone(task: Task, crew: Executor | None) -> Alone:
     options = {"xatol": CLOSE * one.prior, "maxiter": MOST}
     between = minimize_scalar(left, bounds=ends, method="bounded", options=options)
     place = float(between.x) if between.fun < found[best] else places[best]
-    return Alone(one, place, _left(task, place, crew))
+    return Alone(one, place, _left(task, np.array([place]), crew))
 
 
-def _left(task: Task, place: float | None, crew: Executor | None) -> float:
-    return _tamed(task, Residuals(task, crew).at(np.zeros(0) if place is None else np.array([place])))
+def _left(task: Task, places: Array, crew: Executor | None) -> float:
+    return _tamed(task, Residuals(task, crew).at(places))
 
 
 def _tamed(task: Task, shots: Sequence[At]) -> float:
