@@ -32,6 +32,7 @@ COARSE = 100_000  # longest step of the twins [ns]: waves in the rig's lines are
 PATIENCE = 20_000_000  # of simulated time [ns]: later commands act late
 SILENCE = NS // 5  # without a command after joining [ns]
 RETRY = NS // 2  # after a beginning it may be lost for so long before it begins anew [ns]
+TIGHT = 1e18  # [Pa s/m^3], of a leak that is there and loses nothing
 LONGEST_GAP = 5 * NS  # without a scan; what was known before that is worth nothing
 
 
@@ -48,7 +49,7 @@ class FollowerSide:
 
     def __init__(self, scenario: Scenario, settings: Settings, seed: int = 1, rules: Rules | None = None) -> None:
         """rules: of a judge of its health, if there is to be one. Raises UsageError where they do not fit the rig."""
-        self.scenario = followed(scenario)
+        self.scenario = followed(scenario, leaks_outside=rules is not None)
         self.grid = self.scenario.loop.grid()
         self._settings, self._seed = settings, seed
         self._refuse_unknown()
@@ -140,6 +141,8 @@ class FollowerSide:
             return
         if scan.readings and not all(map(math.isnan, scan.readings.values())):
             self.filter.look(scan.readings)
+            if self.health is not None:
+                self.health.look(scan.readings)
         self._inlet.watch_position(scan.stamp, scan.readings["position"])
         if (
             scan.tick % self._settings.every == 0
@@ -163,6 +166,8 @@ class FollowerSide:
         if self.filter.start(scan.readings, spool, scan.stamp // self.grid.step):
             self.restarts += 1
             self._begun = self._corrected = scan.stamp
+            if self.health is not None:
+                self.health.forget()
 
     def _join(self, stamp: int) -> None:
         """In the middle of a run: what was commanded before is not known, and not waited for."""
@@ -174,6 +179,8 @@ class FollowerSide:
             if self.filter.standing != Standing.WAITING:
                 steps = (segment.end - segment.begin) // self.grid.step
                 self.filter.advance(self._reference(segment.value), steps)
+                if self.health is not None:
+                    self.health.advance(self._reference(segment.value), steps)
         self._now = end
 
     def _reference(self, value: float) -> float:
@@ -213,6 +220,8 @@ class FollowerSide:
         self._commands: list[Any] = kept
         self._now, self._newest, self._given_up, self._joined, self._begun, self._corrected = -1, -1, -1, -1, -1, -1
         self.filter.forget()
+        if self.health is not None:
+            self.health.forget()
 
     def _refuse_unknown(self) -> None:
         for name in self._settings.without:
@@ -226,20 +235,28 @@ def _with_deviations(values: dict[str, float], deviations: dict[str, float]) -> 
     return {name + end: each[name] for name in values for end, each in (("", values), (DEVIATION, deviations))}
 
 
-def warm_up(scenario: Scenario, settings: Settings) -> None:
+def warm_up(scenario: Scenario, settings: Settings, rules: Rules | None = None) -> None:
     """Load or compile all that a follower needs before anybody waits for it."""
-    side = FollowerSide(scenario, settings)
+    side = FollowerSide(scenario, settings, rules=rules)
     scan = dict.fromkeys(CHANNELS, 0.0) | {"position": side.scenario.start.position}
     side.filter.start(scan, 0.0, 0)
     side.filter.advance(0.0, max(1, round(2.0 * settings.settling / side.scenario.loop.step)))
     side.filter.look(scan)
     side.filter.correct()
     side.filter.estimate(0.0)
+    if side.health is not None:
+        side.health.warm_up()
 
 
-def followed(scenario: Scenario) -> Scenario:
-    """The scenario as a twin beside it knows it: without what is to happen, and with a longer step where that does."""
+def followed(scenario: Scenario, leaks_outside: bool = False) -> Scenario:
+    """The scenario as a twin beside it knows it: without what is to happen, and with a longer step where that does.
+
+    leaks_outside: of a cylinder that may begin to leak; one that is tight is built without such leaks.
+    """
     data: dict[str, Any] = scenario.model_dump(mode="json") | {"timeline": [], "fault": [], "expect": []}
+    if leaks_outside:
+        cylinder = data["rig"]["cylinder"]
+        cylinder |= {name: min(float(cylinder[name]), TIGHT) for name in ("outside_lower", "outside_upper")}
     known = check(data, scenario.name)
     grid = known.loop.grid()
     for step in range(COARSE, grid.step, -grid.step):

@@ -1,6 +1,7 @@
 """Health beside an estimate: the unknowns of a filter to its judge, and what the judge says as numbers of a message."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -8,12 +9,15 @@ import numpy as np
 from bridge.errors import UsageError
 from bridge.wire.estimates import DEVIATION
 from bridge.wire.health import DEVIATE, PLACES, SIZE
+from twin.estimation.contest import Contest
+from twin.estimation.diagnosis import Diagnosis
 from twin.estimation.filter import Estimate, Filter
-from twin.estimation.health import Finding, Health, Judge, Knowledge, Rules
+from twin.estimation.health import Finding, Health, Knowledge, Rules
 from twin.estimation.hypotheses import HYPOTHESES, WATCHED, Verdict, in_words
 from twin.estimation.quantities import Standing, Use
 from twin.estimation.settings import Settings
 from twin.estimation.unknowns import Prior
+from twin.topology import CHANNELS
 
 FEWEST = 28  # members, of an estimate with all the unknowns of faults
 UNKNOWN = Finding(float("nan"), float("nan"), float("nan"))
@@ -33,7 +37,7 @@ class HealthSide:
         """Raises UsageError where the rules do not fit one another."""
         self._filter = filter_
         try:
-            self.judge = Judge({name: prior.deviation for name, prior in filter_.priors.items()}, rules)
+            self._diagnosis = Diagnosis(filter_, rules)
         except ValueError as error:
             raise UsageError(f"health: {error}") from None
         self.told: list[str] = []  # each verdict that is another than the one before, in words
@@ -41,21 +45,42 @@ class HealthSide:
     @property
     def latest(self) -> Health:
         """After the newest look."""
-        return self.judge.latest
+        return self._diagnosis.latest
+
+    @property
+    def limit(self) -> float:
+        """Of a normal deviate, beyond which it is an alarm."""
+        return self._diagnosis.judge.limit
+
+    def forget(self) -> None:
+        """The estimate begins anew."""
+        self._diagnosis.forget()
+
+    def warm_up(self) -> None:
+        """What an alarm will need, beside a filter that has begun."""
+        Contest(self._filter, self._filter.z.mean(axis=0), np.ones(len(CHANNELS))).advance(0.0, 1)
+
+    def advance(self, reference: float, steps: int) -> None:
+        """What the filter was told."""
+        self._diagnosis.advance(reference, steps)
+
+    def look(self, readings: Mapping[str, float]) -> None:
+        """What the filter has looked at."""
+        self._diagnosis.look(readings)
 
     def take(self, estimate: Estimate) -> dict[str, Any] | None:
         """After a correction; the numbers of a message where it ends a look."""
         z, following = self._filter.z, estimate.standing == Standing.FOLLOWING
-        before = self.judge.latest
+        before = self.latest
         squares = [found.verdict.nis for found in estimate.innovations.values() if found.use is Use.USED]
         worst = max((square for square in squares if not math.isnan(square)), default=math.inf)
         covariance = np.atleast_2d(np.cov(z.T))
-        health = self.judge.take(Knowledge(estimate.stamp, following, z.mean(axis=0), covariance, worst))
+        health = self._diagnosis.take(Knowledge(estimate.stamp, following, z.mean(axis=0), covariance, worst))
         if health is None:
             return None
         if (health.verdict, health.suspects) != (before.verdict, before.suspects):
             self.told.append(words_of(health))
-        return {"limit": self.judge.limit, **fields(health)}
+        return {"limit": self.limit, **fields(health)}
 
 
 def words_of(health: Health) -> str:

@@ -170,6 +170,6 @@ def run_follower(
         except (KeyError, TypeError, ValueError) as error:
             raise RunError(f"the plant of rig {rig!r} answers with no scenario: {error}") from None
         known = settings if rules is None else watching(settings)
-        warm_up(scenario, known)
+        warm_up(scenario, known, rules)
         side = FollowerSide(scenario, known, rules=rules)
         return FollowerProcess(bus, side, stop.listen(), quiet).run()

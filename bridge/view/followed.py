@@ -12,7 +12,8 @@ from bridge.view.curve import Curve
 from bridge.wire.estimates import DEVIATION, OF_UNKNOWN
 from bridge.wire.health import DEVIATE, PLACES
 from bridge.wire.messages import ESTIMATE, HEALTH
-from twin.estimation.quantities import ESTIMATED, UNKNOWNS
+from twin.estimation.hypotheses import HYPOTHESES
+from twin.estimation.quantities import ESTIMATED, LEAKS_OUTSIDE, UNKNOWNS
 
 Columns = dict[str, NDArray[Any]]
 WIDTH = 2.0  # deviations to either side of an estimate
@@ -76,7 +77,7 @@ def _unknowns() -> Iterator[Curve]:
 
 def _health() -> Iterator[Curve]:
     colours = [*DARK.values()]
-    for place, name in enumerate(PLACES):
+    for place, name in enumerate(name for name in PLACES if HYPOTHESES[name].unknown not in LEAKS_OUTSIDE):
         yield Curve("health", name, name, HEALTH, name + DEVIATE, 1.0, colours[place % len(colours)], 1.5)
     for name, label in (("limit", "limit"), (f"limit{BELOW}", "limit below")):
         yield Curve("health", name, label, HEALTH, name, 1.0, DARK["grey"], 0.5)

@@ -54,15 +54,21 @@ IN_ORDER = "in order"
 TRIALS = {
     IN_ORDER: Trial("", 30),
     "leak x3": Trial("leak_across", 30, {"target": "cylinder", "kind": "leak", "factor": 3.0}),
-    "leak x10": Trial("leak_across", 8, {"target": "cylinder", "kind": "leak", "factor": 10.0}),
-    "leak x30": Trial("leak_across", 8, {"target": "cylinder", "kind": "leak", "factor": 30.0}),
-    "friction +60 %": Trial("friction", 8, times={"seal.limit": 1.6, "seal.alpha": 1.6}),
-    "bulk modulus -30 %": Trial("air_in_oil", 8, {"target": "oil", "kind": "air", "factor": 0.7}),
-    "valve gain -8 %": Trial("valve_gain", 8, times={"valve.rated_flow": 0.92}),
-    "load +30 %": Trial("load", 8, times={"load.mass": 1.3}),
-    "valve offset 2 %": Trial("valve_offset", 8, {"target": "valve", "kind": "bias", "size": 0.02}),
-    "filter x30": Trial("filter_blocked", 8, {"target": "filter", "kind": "blocked", "factor": 30.0}),
-    "pump leak x2": Trial("pump_wear", 8, {"target": "pump", "kind": "wear", "factor": 2.0}),
+    "leak x10": Trial("leak_across", 12, {"target": "cylinder", "kind": "leak", "factor": 10.0}),
+    "leak x30": Trial("leak_across", 12, {"target": "cylinder", "kind": "leak", "factor": 30.0}),
+    "friction +60 %": Trial("friction", 12, times={"seal.limit": 1.6, "seal.alpha": 1.6}),
+    "bulk modulus -30 %": Trial("air_in_oil", 12, {"target": "oil", "kind": "air", "factor": 0.7}),
+    "valve gain -8 %": Trial("valve_gain", 12, times={"valve.rated_flow": 0.92}),
+    "load +30 %": Trial("load", 12, times={"load.mass": 1.3}),
+    "valve offset 2 %": Trial("valve_offset", 12, {"target": "valve", "kind": "bias", "size": 0.02}),
+    "filter x30": Trial("filter_blocked", 12, {"target": "filter", "kind": "blocked", "factor": 30.0}),
+    "leak of the lower chamber": Trial(
+        "leak_outside_lower", 14, {"target": "pipe_3", "kind": "burst", "diameter": 0.3e-3}
+    ),
+    "leak of the upper chamber": Trial(
+        "leak_outside_upper", 14, {"target": "pipe_4", "kind": "burst", "diameter": 0.3e-3}
+    ),
+    "pump leak x2": Trial("pump_wear", 12, {"target": "pump", "kind": "wear", "factor": 2.0}),
     "p2 drifts, 1 bar/min": Trial("sensor_p2", 35, {"target": "sensor.p2", "kind": "drift", "rate": 1e5 / 60.0}),
 }
 
@@ -94,6 +100,7 @@ def motion(seed: int, duration: int) -> dict[str, Any]:
 def rigs(seed: int, longest: int) -> tuple[Scenario, Scenario]:
     """What runs for so long [s], and what the twins know of it."""
     base = load("sine").model_dump(mode="json")
+    base["rig"]["cylinder"]["holes"] = "fitted"  # what a burst tears open
     base |= {"duration": float(longest), "seed": seed, "reference": motion(seed, longest)}
     known = check(base, "known")
     if seed % 2:

@@ -20,6 +20,7 @@ from twin.estimation.settings import Settings
 MOTION = ["reference.frequency=1 Hz", "reference.amplitude=25 mm", "reference.at=0.5 s"]
 RULES = Rules(alarms_per_hour=1.0, look=0.25, window=2, commissioning=24)
 LEAK = 'fault=[{target="cylinder", kind="leak", factor=10.0, at="7.8 s"}]'
+HOLE = 0.6 * 0.25 * math.pi * 0.3e-3**2 * math.sqrt(2.0 / (870.0 * 30e5))  # [m^3/(s Pa)], of 0.3 mm at 30 bar
 OTHER = ["rig.load.mass=132 kg", "rig.valve.rated_flow=27 l/min", "rig.seal.limit=0.275", "rig.seal.alpha=4.2e-6"]
 
 
@@ -32,16 +33,17 @@ def judged(*changes: str) -> tuple[FollowerSide, list]:
 
 
 def test_a_leak_ten_times_as_large_is_found_and_named():
-    """Within 4.2 s after a commissioning of six, its size within a factor of 1.5; silent before."""
-    side, said = judged("duration=12 s", LEAK)
+    """Within 5.7 s after a commissioning of six, its size within a factor of 1.2; silent before, and first a doubt."""
+    side, said = judged("duration=13.5 s", LEAK)
     before = [m.verdict for m in said if m.stamp <= 7.8e9]
     assert Verdict.HEALTHY in before
     assert max(before) == Verdict.HEALTHY
+    assert Verdict.ONE_OF in [m.verdict for m in said]
     last = said[-1]
     assert last.verdict == Verdict.FAULT
     assert PLACES[last.first] == "leak_across"
     assert last.suspects == 1 << last.first
-    assert last.leak_across_size == pytest.approx(math.log(10.0), abs=math.log(1.5))
+    assert last.leak_across_size == pytest.approx(math.log(10.0), abs=math.log(1.2))
     assert 8.0 < last.since < 11.25
     assert side.health is not None
     assert side.health.told[-1] == words_of(side.health.latest) or "leak across the piston" in side.health.told[-1]
@@ -49,19 +51,14 @@ def test_a_leak_ten_times_as_large_is_found_and_named():
     assert decode(encode(last), HEALTH).suspects == last.suspects
 
 
-@pytest.mark.parametrize(
-    ("fault", "name", "size"),
-    [
-        ('target="valve", kind="bias", size=0.02', "valve_offset", 0.02),
-        ('target="filter", kind="blocked", factor=30', "filter_blocked", math.log(30.0)),
-    ],
-)
-def test_an_offset_of_the_valve_and_a_blocked_filter_are_told_from_all_else(fault: str, name: str, size: float):
-    _, said = judged("duration=12 s", f'fault=[{{{fault}, at="7.8 s"}}]')
+def test_a_leak_to_the_outside_is_told_from_all_else():
+    """By twins alone: the estimate has no unknown for it."""
+    burst = 'fault=[{target="pipe_3", kind="burst", diameter="0.3 mm", at="7.8 s"}]'
+    _, said = judged("duration=13.5 s", "rig.cylinder.holes=fitted", burst)
     last = said[-1]
     assert last.verdict == Verdict.FAULT
-    assert PLACES[last.first] == name
-    assert getattr(last, f"{name}_size") == pytest.approx(size, rel=0.3)
+    assert PLACES[last.first] == "leak_outside_lower"
+    assert last.leak_outside_lower_size == pytest.approx(HOLE, rel=0.3)  # a law of a leak, beside that of a hole
 
 
 def test_a_rig_that_is_another_than_the_twins_and_in_order_is_not_called_ill():

@@ -52,6 +52,10 @@ class Rules(NamedTuple):
     margin: float = 2.0 * math.log(100.0)  # of twice the log likelihood; a hundred times as likely as the next
     healthy: float = 0.1  # what a healthy rig wanders by, as a share of the deviations of the unknowns at the start
     explained: float = 1.5  # mean square of whitened innovations up to which sizes are believed; 1 for a right model
+    shots: int = 4  # of half a second, before twins may name a fault
+    most_shots: int = 16  # after which what is still likely is said
+    again: float = 20.0  # [s], after which a fault that lasts is looked at anew
+    certain: float = math.log(100.0)  # of the log likelihood that a name is ahead
     known: float = 0.5  # an unknown counts as known once its deviation, if it moves alone, is less than this share of
     # that at the start
 

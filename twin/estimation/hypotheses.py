@@ -7,10 +7,14 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from twin.estimation.quantities import UNKNOWNS
+from twin.estimation.quantities import LEAK, UNKNOWNS
 from twin.topology import PRESSURES
 
 EITHER, UP, DOWN = 0, 1, -1
+SHOWN_AT = 60e3 * 100e5  # [Pa], and l/min of m^3/s
+CREEP = (
+    3e-10  # [m/(s Pa)], of the piston by a leak to the outside as large as a first guess: 3 mm/s at 100 bar, assumed
+)
 
 WATCHED = {  # deviation at the start and drift per sqrt(s) of unknowns whose faults are looked for, all assumed
     "leakage": (0.5, 0.03),  # leaks grow by factors
@@ -41,6 +45,8 @@ class Hypothesis(NamedTuple):
 
 HYPOTHESES = {
     "leak_across": Hypothesis("leak across the piston", "leakage", UP),
+    "leak_outside_lower": Hypothesis("leak of the lower chamber to the outside", "leak_lower", UP),
+    "leak_outside_upper": Hypothesis("leak of the upper chamber to the outside", "leak_upper", UP),
     "friction": Hypothesis("friction of the actuator: a worn seal has less, a stiff one more", "friction", EITHER),
     "air_in_oil": Hypothesis("air in the oil, a lower bulk modulus", "bulk_modulus", DOWN),
     "valve_gain": Hypothesis("gain of the directional valve", "valve_gain", EITHER),
@@ -60,6 +66,8 @@ HYPOTHESES = {
 def in_words(name: str, size: float, deviation: float) -> str:
     """What a hypothesis says, with its size since the commissioning: the factor on its unknown, or an offset in SI."""
     unit = UNKNOWNS[HYPOTHESES[name].unknown].unit
+    if unit == LEAK:
+        size, deviation, unit = size * SHOWN_AT, deviation * SHOWN_AT, "l/min at 100 bar"
     if unit:
         return f"{HYPOTHESES[name].words}, {size:+.3g} {unit} (+- {deviation:.2g})"
     low, high = math.exp(size - deviation), math.exp(size + deviation)

@@ -3,7 +3,7 @@
 from enum import IntEnum
 from typing import NamedTuple
 
-from twin.topology import CHANNELS, OBSERVED
+from twin.topology import CHAMBERS, CHANNELS, OBSERVED
 
 LOAD = "load"  # estimated beside OBSERVED: what the load does to the piston, its weight included
 ESTIMATED = {**OBSERVED, LOAD: "N"}  # name: SI unit
@@ -21,6 +21,7 @@ class Unknown(NamedTuple):
 
 
 BARREL = tuple(f"cylinder.{name}" for name in ("bulk_modulus", "modulus_lower", "modulus_upper"))
+LEAK = "m^3/(s Pa)"
 RUBS = ("coulomb", "static", "viscous", "pressure_area")
 UNKNOWNS = {
     "leakage": Unknown("leak across the piston", "", 0.3, 0.01, ("cylinder.leakage",)),
@@ -50,6 +51,12 @@ UNKNOWNS = {
     ),
     "mass": Unknown("mass of the load", "", 0.1, 0.002, ("load.mass",)),
     "load_force": Unknown("force on the load, beside its weight", "N", WEIGHT, 0.5 * WEIGHT, ("load.force",)),
+    **{
+        f"leak_{side}": Unknown(
+            f"leak of the {side} chamber to the outside", LEAK, 0.0, 0.0, (f"cylinder.outside_{side}",)
+        )
+        for side in CHAMBERS
+    },
     "valve_offset": Unknown("offset of the directional valve's spool", "of its travel", 0.0, 0.0),
     "filter_drop": Unknown("pressure drop of the filter", "", 0.0, 0.0, ("fitting.linear",)),
     **{
@@ -59,6 +66,7 @@ UNKNOWNS = {
 }
 LOAD_FORCE = "load_force"
 VALVE_OFFSET = "valve_offset"
+LEAKS_OUTSIDE = tuple(f"leak_{side}" for side in CHAMBERS)
 OFFSETS = tuple(f"offset_{name}" for name in CHANNELS)
 
 

@@ -38,14 +38,14 @@ def priors(parts: Parts, given: Mapping[str, Prior] | None = None) -> dict[str, 
     found = {}
     for name, unknown in UNKNOWNS.items():
         deviation, drift = (given or {}).get(name, Prior(unknown.deviation, unknown.drift))
-        there = name in ADDED or any(_value(parts, field) for field in unknown.fields)
+        there = name in ADDED or any(value_of(parts, field) for field in unknown.fields)
         if there and max(deviation, drift) > 0.0:
             scale = weight_of(parts) if name == LOAD_FORCE else 1.0
             found[name] = Prior(scale * deviation, scale * drift)
     return found
 
 
-def _value(parts: Any, path: str) -> float:
+def value_of(parts: Any, path: str) -> float:
     """A number of the parts by its path; 0.0 where the kind that is fitted has none of this name."""
     for name in path.split("."):
         parts = getattr(parts, name, None)
@@ -68,7 +68,7 @@ class Unknowns:
         """Which unknown, the array to write and its nominal value."""
         for place, name in enumerate(self.names):
             for path in UNKNOWNS[name].fields:
-                nominal = _value(parts, path)
+                nominal = value_of(parts, path)
                 if nominal or (name == LOAD_FORCE and _has(parts, path)):
                     yield place, _column(self.records, path), nominal
 
