@@ -1,7 +1,7 @@
 """What would happen: the twins of an estimate run on, each with a controller of its own, in which a number is changed.
 
-The spread of the futures is that of the estimate: its states and its unknowns, which stand still meanwhile. Each card
-has its own noise. Disturbances of the future are not in it.
+The spread of the futures is that of the estimate as its deviations are stated: states and unknowns, which stand still
+meanwhile. Each card has its own noise. Disturbances of the future are not in it.
 """
 
 import math
@@ -76,7 +76,7 @@ class _Futures:
 
     def run(self, horizon: int) -> list[Signals]:
         """From now to the horizon [ns]; the estimate is as it was afterwards."""
-        kept = self._members.states.copy()
+        kept = self._side.filter.begin_futures()
         begin = self._side.now
         ticks = horizon // self._grid.daq
         found, wanted = np.zeros((ticks, len(self._controllers), len(SEEN))), np.zeros(ticks)
@@ -88,8 +88,7 @@ class _Futures:
             for reference, steps in self._segments(now, now + self._grid.daq):
                 self._members.run(self._put_out(reference), steps)
             found[tick] = self._members.seen[:, AT]
-        self._members.states[:] = kept
-        self._members.run(0.0, 0)
+        self._side.filter.end_futures(kept)
         time = (begin + (1 + np.arange(ticks)) * self._grid.daq) / NS
         return [Signals(time, f[:, 0], wanted, *(f[:, i] for i in range(1, len(SEEN)))) for f in found.swapaxes(0, 1)]
 

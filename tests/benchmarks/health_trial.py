@@ -3,7 +3,7 @@
     python -m tests.benchmarks.health_trial trial.part                  run what is missing, then print shares
     python -m tests.benchmarks.health_trial trial.part --rounds 3       the first rounds only
     python -m tests.benchmarks.health_trial trial.part --part 0/2       every other round, for two processes
-    python -m tests.benchmarks.health_trial trial.part --in-order 600   rigs in order alone, each for 600 s
+    python -m tests.benchmarks.health_trial trial.part --in-order 3600  rigs in order alone, each for an hour
     python -m tests.benchmarks.health_trial trial.part --shares         print what is there
 
 A round is one rig, in motion with a sine or random steps, with noise of its own. It is watched for 30 s; at 33 s the
@@ -127,7 +127,7 @@ def watched(seed: int, journal: Journal, trials: Mapping[str, Trial]) -> None:
         if side.health.latest is not (looks[-1] if looks else None):
             looks.append(side.health.latest)
         if tick == end and mine:
-            journal.add(point(seed, mine), outcome(looks))
+            journal.add(point(seed, mine), outcome(looks) | {"restarts": side.restarts})
             os._exit(0)
         if tick == end:
             mine = forked(missing)
@@ -168,9 +168,11 @@ def outcome(looks: Sequence[Health]) -> dict[str, Any]:
     ill = [health for health in looks if health.verdict > Verdict.HEALTHY]
     named = [health for health in looks if health.verdict is Verdict.FAULT]
     judged = sum(health.verdict >= Verdict.HEALTHY for health in looks)
+    lost = sum(health.verdict is Verdict.NOT_KNOWN for health in looks)
     first, last = (named[0], named[-1]) if named else (None, None)
     return {
         "judged": judged * RULES.look,
+        "not_known": lost * RULES.look,
         "alarm": ill[0].stamp if ill else None,
         "name": first.suspects[0] if first else None,
         "named": first.stamp if first else None,
@@ -201,11 +203,14 @@ def shares(journal: Journal) -> None:
     alarms = sum(result["alarm"] is not None for result in in_order)
     hours = sum(result["judged"] for result in in_order) / 3600.0
     most = 0.5 * _chi_squared(2 * alarms + 2) / hours if hours else math.inf  # Poisson, exact
+    restarts = sum(result.get("restarts", 0) for result in in_order)
+    unknown = sum(result.get("not_known", 0.0) for result in in_order)
     farthest = max((result["farthest"] for result in in_order), default=0.0)
     print(
         f"{len(rows)} runs; rigs in order for {hours:.4f} h: {alarms} false alarms, at most {most:.3g} per hour (95 %)"
     )
     print(f"greatest deviate of a rig in order {farthest:.2f}")
+    print(f"estimates begun anew {restarts}, not known for {unknown:g} s")
 
 
 def _chi_squared(freedom: int) -> float:

@@ -41,6 +41,15 @@ def test_what_comes_is_among_the_futures(recorded: tuple[Path, Recording]):
     assert (heard.side.filter.members.states == before).all()
 
 
+def test_the_spread_of_the_futures_is_what_is_stated(recorded: tuple[Path, Recording]):
+    """At its first instant: the deviation of the position as the estimate states it."""
+    heard = from_file(recorded[0], NOW, SETTINGS)
+    assert heard.side.latest is not None
+    futures = look_ahead(heard.side, heard.scenario, heard.recent, Question({}, 2_000_000))
+    spread = np.std([signals.position[0] for signals in futures], ddof=1)
+    assert spread == pytest.approx(heard.side.latest.deviations["position"], rel=0.1)
+
+
 def test_a_dangerous_gain_is_told_from_a_good_one(recorded: tuple[Path, Recording]):
     """Forty times the gain makes the valve go from end to end at each sample."""
     band = ["valve travel <= 4"]

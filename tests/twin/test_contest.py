@@ -1,4 +1,4 @@
-"""Which fault explains it, by closed forms: residuals drawn at random, of twins whose residuals are linear in a size."""
+"""Which fault explains it, by closed forms: residuals drawn at random, linear in the size of a fault."""
 
 import math
 
@@ -11,7 +11,7 @@ SCANS = 400
 
 
 def ranked(true: float, shots: int, rng: np.random.Generator, wild: float = 0.0):
-    """Faults `a` and `b` of sizes 1 and 2, of a rig with a fault `a`; a share of the shots is wild, for all twins alike."""
+    """Of a rig with a fault `a`, beside twins with `a` and `b`; a share of the shots is wild, for all twins alike."""
     links = [Link("a", (0, 1), (0.0, 1.0)), Link("a", (1, 2), (1.0, 2.0)), Link("b", (0, 3), (0.0, 1.0))]
     squares, products = [], []
     for _ in range(shots):

@@ -1,5 +1,7 @@
 """Twins that run freely beside a rig: those with its numbers stay with it, the others do not."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 
@@ -23,29 +25,30 @@ def test_a_wrong_number_shows_and_a_right_one_does_not():
     z = np.zeros((3, len(names)))
     z[1, names.index("offset_p2")] = OFFSET
     z[2, names.index("valve_gain")] = -0.1
-    shots, squares, count = None, np.zeros((3, len(CHANNELS))), 0
+    beside: list[Shots] = []
+    squares, count = np.zeros((3, len(CHANNELS))), 0
     advance, look = side.filter.advance, side.filter.look
 
     def advanced(reference: float, steps: int) -> None:
         advance(reference, steps)
-        if shots is not None:
+        for shots in beside:
             shots.advance(reference, steps)
 
-    def looked(readings: dict[str, float]) -> None:
+    def looked(readings: Mapping[str, float]) -> None:
         nonlocal squares, count
         look(readings)
-        away = shots.look(readings) if shots is not None else None
-        if away is not None and not shots.over:
-            squares, count = squares + np.nan_to_num(away) ** 2, count + 1
+        for shots in beside:
+            away = shots.look(readings)
+            if away is not None and not shots.over:
+                squares, count = squares + np.nan_to_num(away) ** 2, count + 1
 
     side.filter.advance, side.filter.look = advanced, looked
     for tick, messages in enumerate(exchange(plant, controller, scenario.ticks)):
         hand(messages, side)
         if tick == 1500:
-            shots = Shots(side.filter, names, z)
-            shots.begin()
-    assert shots is not None
-    assert shots.over
+            beside.append(Shots(side.filter, names, z))
+            beside[0].begin()
+    assert beside[0].over
     assert count == pytest.approx(1000 * SHOT - 100, abs=6)
     right, offset, gain = np.sqrt(squares / count)
     error = dict(zip(CHANNELS, Settings().model_errors().values(), strict=True))

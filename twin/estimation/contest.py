@@ -2,8 +2,8 @@
 
 Each hypothesis has twins of several sizes s, and the baseline one of none. r(s) are a twin's residuals in units of what
 the baseline's were while the rig was in order, taken as linear between the sizes that run, and J(s) their mean square
-in a shot. How large they are differs from shot to shot, as the motion does; with nothing known of their scale but that it
-is no less than when the rig was in order, n independent residuals of a shot have the log likelihood
+in a shot. How large they are differs from shot to shot, as the motion does; with nothing known of their scale but that
+it is no less than when the rig was in order, n independent residuals of a shot have the log likelihood
 
     -n/2 ln(1 + J),
 

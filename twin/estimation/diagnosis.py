@@ -98,7 +98,7 @@ class Diagnosis:
         baseline = self.judge.baseline
         return known.mean if baseline is None else baseline.mean
 
-    def _note(self, power: Array, there: Array) -> None:
+    def _note(self, power: Array, there: NDArray[np.bool_]) -> None:
         """Of a shot of the baseline."""
         if self.latest.verdict <= Verdict.HEALTHY:
             self._powers.append(np.where(there, power, np.nan))
@@ -145,7 +145,7 @@ class Diagnosis:
         ended = contest.shots >= rules.most_shots
         if ended and health.verdict is Verdict.FAULT and health.suspects[0] in likely:
             likely = health.suspects  # what the twins leave open the estimate may tell
-        if found.nothing >= rules.certain and len(likely) == 1 or ended:
+        if (found.nothing >= rules.certain and len(likely) == 1) or ended:
             self._named, self._contest, self._rested = Named(likely, found), None, health.stamp
 
     def _healed(self) -> bool:
@@ -160,7 +160,8 @@ def _with(named: Named, health: Health, rules: Rules) -> Health:
     for name, (size, deviation) in found.sizes.items():
         deviate = findings[name].deviate if name in findings else math.nan
         findings[name] = Finding(deviate, size, deviation)
-    confidence = 1.0 / (sum(math.exp(-behind) for behind in found.behind.values()) + math.exp(-found.nothing))
+    whole = sum(math.exp(-behind) for behind in found.behind.values()) + math.exp(-found.nothing)
+    confidence = math.exp(-found.behind[named.suspects[0]]) / whole
     return Health(
         health.stamp,
         Verdict.FAULT if alone else Verdict.ONE_OF,

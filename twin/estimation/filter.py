@@ -169,13 +169,36 @@ class Filter:
             {name: Innovation(*self._last[name], watch.use, watch.verdict()) for name, watch in self.watches.items()},
         )
 
+    def begin_futures(self) -> Array:
+        """Give the members deviations as they are stated, not as corrections need them; the states as they were."""
+        assert self.members is not None
+        kept, square = self.members.states.copy(), self._independent_square()
+        unread = np.full(kept.shape[1], np.inf)
+        prior = np.array([one.deviation for one in self.priors.values()])
+        self.unknowns.write(_spread(self.z, prior, square))
+        self.members.states[:] = _spread(kept, unread, square)
+        self._admit(*self._admitted)
+        self.members.run(0.0, 0)
+        return kept
+
+    def end_futures(self, kept: Array) -> None:
+        """Go on from the states that `begin_futures` found."""
+        assert self.members is not None
+        self.unknowns.write(self.z)
+        self.members.states[:] = kept
+        self.members.run(0.0, 0)
+
     def _stated(self, spread: Array) -> Array:
         """Deviations by the spread of the members, and by how large the innovations are beside theirs."""
         if self._prior is None:
             self._prior = spread
+        return stated(spread, self._prior, self._independent_square())
+
+    def _independent_square(self) -> float:
+        """Mean square of the independent innovations of the channels that are used; 1 where it is not known."""
         squares = [watch.verdict().square for watch in self.watches.values() if watch.use is Use.USED]
         known = [square for square in squares if not math.isnan(square)]
-        return stated(spread, self._prior, sum(known) / len(known) if known else 1.0)
+        return sum(known) / len(known) if known else 1.0
 
     def forget(self) -> None:
         """Wait for a scan to begin with."""
@@ -297,6 +320,14 @@ def load_forces(parts, states, out) -> None:
     for m in range(len(states)):
         s, slots = load(states[m]), slots_of(states[m])
         out[m] = push_of(parts[m].load, 0.0, s.piston.position, s.piston.velocity, s.weight, slots.load, 0.0).force
+
+
+def _spread(rows: Array, prior: Array, square: float) -> Array:
+    """A row for each member, with the stated deviation of each number."""
+    mean, spread = rows.mean(axis=0), rows.std(axis=0, ddof=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = np.where(spread > 0.0, stated(spread, prior, square) / spread, 0.0)
+    return mean + factor * (rows - mean)
 
 
 def _refuse_few(members: int, unknowns: int) -> None:
