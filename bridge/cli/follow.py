@@ -23,6 +23,12 @@ WITHOUT = Annotated[
     ),
 ]
 MEMBERS = Annotated[int, typer.Option(min=4, max=400, help="Twins in the ensemble.")]
+FOLLOWERS = Annotated[
+    int | None,
+    typer.Option(
+        "--members", min=4, max=400, help="Twins in the ensemble. [default: 24; 28 with --health]", show_default=False
+    ),
+]
 EVERY = Annotated[int, typer.Option(min=1, max=1000, help="Scans between two corrections; each uses all of them.")]
 HEALTH = Annotated[bool, typer.Option("--health", help="Say which fault the rig has, if any; see docs/health.md.")]
 ALARMS = Annotated[
@@ -37,7 +43,7 @@ def follow(
     rig: Annotated[str, typer.Argument(help="Name of a rig that runs, or a recording, .mcap.", metavar="RIG|FILE")],
     changes: CHANGES = None,
     without: WITHOUT = None,
-    members: MEMBERS = 24,
+    members: FOLLOWERS = None,
     every: EVERY = 5,
     health: HEALTH = False,
     alarms: ALARMS = 0.01,
@@ -63,8 +69,10 @@ def follow(
     """
     from twin.estimation.settings import Settings
 
-    settings = Settings(members=members, every=every, without=tuple(without or ()))
     rules = _rules(alarms, commissioning) if health else None
+    if members is not None and rules is not None:
+        _refuse_few(members)
+    settings = Settings(members=members or Settings().members, every=every, without=tuple(without or ()))
     if is_file(rig):
         _follow_file(Path(rig), output, changes or [], settings, rules, as_json)
         return
@@ -90,6 +98,16 @@ def _rules(alarms: float, commissioning: str) -> "Rules":
 
     rules = Rules(alarms_per_hour=alarms)
     return rules._replace(commissioning=round(nanoseconds("commissioning", commissioning) / 1e9 / rules.look))
+
+
+def _refuse_few(members: int) -> None:
+    from bridge.errors import UsageError
+    from bridge.loop.health import FEWEST
+
+    if members < FEWEST:
+        raise UsageError(
+            f"--members {members}: with --health at least {FEWEST}, two for each unknown; leave it out, or give more"
+        )
 
 
 def is_file(name: str) -> bool:
