@@ -88,7 +88,7 @@ def words_of(health: Health) -> str:
     verdict = health.verdict.name.lower().replace("_", " ")
     said = [in_words(name, health.findings[name].size, health.findings[name].deviation) for name in health.suspects]
     if health.verdict is Verdict.FAULT:
-        doubt = "" if health.explained else "; the estimate does not agree with the readings: its size is not known"
+        doubt = "" if health.explained else "; it does not explain all that is read: its size is rough"
         verdict = f"fault, beyond the limit since t = {health.since:g} s, confidence {health.confidence:.4f}{doubt}"
     return f"t = {health.stamp:g} s: {verdict}" + (f": {'; or '.join(said)}" if said else "")
 

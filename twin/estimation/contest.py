@@ -38,6 +38,7 @@ class Ranking(NamedTuple):
     nothing: float  # the same of the baseline
     sizes: dict[str, tuple[float, float]]  # ln of the factor, or an offset in SI, and its deviation
     square: float  # J of the first, median of the shots
+    without: float  # the same of the baseline
     shots: int
 
 
@@ -128,7 +129,7 @@ def rank(links: Sequence[Link], squares: Array, products: Array) -> Ranking:
     first = likely[order[0]]
     nothing = first - float(_likelihood(squares[:, 0]).sum())
     behind = {name: first - likely[name] for name in order}
-    return Ranking(behind, nothing, sizes, left[order[0]], len(squares))
+    return Ranking(behind, nothing, sizes, left[order[0]], float(np.median(squares[:, 0])), len(squares))
 
 
 def _likelihood(squares: Array) -> Array:

@@ -23,6 +23,7 @@ from twin.topology import CHANNELS
 
 Array = NDArray[np.float64]
 KEPT = 60  # shots in order that say how large residuals are, the newest
+LEFT = 0.05  # of the mean square that the baseline leaves: a fault that leaves less explains it
 HEALED = 4  # shots that the baseline must explain before a named fault is gone
 
 
@@ -169,5 +170,5 @@ def _with(named: Named, health: Health, rules: Rules) -> Health:
         confidence,
         health.since,
         findings,
-        found.square < rules.explained,
+        found.square < max(rules.explained, LEFT * found.without),
     )

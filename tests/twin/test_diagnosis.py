@@ -1,0 +1,121 @@
+"""From an alarm to a name and back, with shots and contests that say what is wanted: the order of what is said."""
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from twin.estimation import diagnosis
+from twin.estimation.contest import Ranking
+from twin.estimation.diagnosis import Diagnosis
+from twin.estimation.health import Health, Knowledge, Rules
+from twin.estimation.hypotheses import Verdict
+from twin.estimation.unknowns import Prior
+from twin.topology import CHANNELS
+
+PRIORS = {"leakage": Prior(0.5, 0.0), "friction": Prior(0.1, 0.0)}
+RULES = Rules(look=0.5, window=1, commissioning=12, persistence=2, healthy=0.0)
+SURE = math.log(1e6)
+CLEAR = Ranking(
+    {"friction": 0.0, "leak_across": SURE, "leak_outside_lower": 9.0}, SURE, {"friction": (0.4, 0.1)}, 0.5, 9.0, 4
+)
+OPEN = Ranking({"leak_outside_lower": 0.0, "leak_across": 1.0, "friction": SURE}, SURE, {}, 0.5, 9.0, 16)
+UNTOLD = Ranking({"friction": 0.0, "leak_across": SURE}, 1.0, {}, 5.0, 9.0, 16)  # no fault is likelier than none
+
+
+class Twin:
+    """The baseline's, in shots that are over at each estimate."""
+
+    residual = 0.0  # of each channel, in errors of the model
+    over = True
+
+    def __init__(self, *_: Any) -> None:
+        pass
+
+    def begin(self, _: Any = None) -> None:
+        pass
+
+    def look(self, _: Any) -> np.ndarray:
+        return np.full((1, len(CHANNELS)), Twin.residual)
+
+
+class Contest:
+    """One that has its shots at once."""
+
+    ranked = CLEAR
+    over = False
+
+    def __init__(self, *_: Any) -> None:
+        self.shots = Contest.ranked.shots
+
+    def ranking(self) -> Ranking:
+        return Contest.ranked
+
+    def look(self, _: Any) -> None:
+        pass
+
+
+@pytest.fixture
+def said(monkeypatch: pytest.MonkeyPatch):
+    """What is said after so many looks at a leak of a size, by twins whose residuals are so large."""
+    monkeypatch.setattr(diagnosis, "Shots", Twin)
+    monkeypatch.setattr(diagnosis, "Contest", Contest)
+    errors = SimpleNamespace(model_errors=lambda: dict.fromkeys(CHANNELS, 1.0))
+    estimate: Any = SimpleNamespace(priors=PRIORS, names=tuple(PRIORS), settings=errors)
+    found, rng, clock = Diagnosis(estimate, RULES), np.random.default_rng(1), [0.0]
+
+    def looks(count: int, leak: float, residual: float, following: bool = True) -> list[Health]:
+        Twin.residual, told = residual, []
+        while len(told) < count:
+            z = np.array([leak, 0.0]) + 0.01 * rng.normal(size=2)
+            found.look({})
+            health = found.take(Knowledge(clock[0], following, z, 1e-6 * np.eye(2)))
+            clock[0] += 0.5
+            told += [health] if health is not None else []
+        return told
+
+    looks(14, 0.0, 0.5)
+    assert found.latest.verdict is Verdict.HEALTHY
+    return looks
+
+
+def verdicts(said: list[Health]) -> list[Verdict]:
+    return [health.verdict for health in said]
+
+
+def test_a_name_is_the_twins_and_holds_until_they_and_the_estimate_are_as_before(said):
+    Contest.ranked = CLEAR
+    named = said(6, 2.0, 9.0)
+    assert verdicts(named)[:2] == [Verdict.HEALTHY, Verdict.ONE_OF]
+    assert named[-1].verdict is Verdict.FAULT
+    assert named[-1].suspects == ("friction",)  # though it is the leakage that has gone
+    assert named[-1].confidence > 0.999
+    assert named[-1].explained
+    assert named[-1].findings["friction"].size == 0.4
+    assert set(verdicts(said(6, 0.0, 9.0))) == {Verdict.FAULT}
+    assert verdicts(said(6, 0.0, 0.5))[-1] is Verdict.HEALTHY
+
+
+def test_what_the_twins_leave_open_the_estimate_tells(said):
+    Contest.ranked = OPEN
+    last = said(8, 2.0, 9.0)[-1]
+    assert last.verdict is Verdict.FAULT
+    assert last.suspects == ("leak_across",)
+    assert last.confidence == pytest.approx(math.exp(-1.0) / (1.0 + math.exp(-1.0)), rel=1e-3)
+
+
+def test_no_fault_is_named_that_is_no_likelier_than_none(said):
+    Contest.ranked = UNTOLD
+    last = said(8, 2.0, 9.0)[-1]
+    assert last.verdict is Verdict.ONE_OF
+    assert last.suspects == ("friction",)
+    assert not last.explained
+
+
+def test_an_estimate_that_is_lost_leaves_no_name(said):
+    Contest.ranked = CLEAR
+    assert verdicts(said(6, 2.0, 9.0))[-1] is Verdict.FAULT
+    assert verdicts(said(1, 2.0, 9.0, following=False)) == [Verdict.NOT_KNOWN]
+    assert verdicts(said(2, 0.0, 0.5)) == [Verdict.HEALTHY] * 2
