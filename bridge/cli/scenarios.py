@@ -159,12 +159,17 @@ def scenarios(as_json: AS_JSON = False) -> None:
     from bridge.cli.tables import print_table
     from bridge.scenario.files import listed, names
 
-    rows = [(s.name, s.title, f"{s.duration:g} s", "; ".join(s.bands)) for s in map(listed, names())]
-    keys = ("name", "title", "duration", "expects")
+    found = [*map(listed, names())]
+    rows = [(s.name, s.title, f"{s.duration:g} s") for s in found]
+    keys = ("name", "title", "duration")
     if as_json:
-        print_json([dict(zip(keys, row, strict=True)) for row in rows])
-    else:
-        print_table(keys, rows)
+        bands = ("; ".join(s.bands) for s in found)
+        print_json(
+            [dict(zip((*keys, "expects"), (*row, words), strict=True)) for row, words in zip(rows, bands, strict=True)]
+        )
+        return
+    print_table((*keys, "bands"), [(*row, str(len(s.bands) or "")) for row, s in zip(rows, found, strict=True)])
+    print("all numbers of one: hydrotwin describe NAME; what each expects: hydrotwin scenarios --json")
 
 
 def schema() -> None:
