@@ -1,9 +1,11 @@
 """Is a rig ill, and of what? Alarms by how far its unknowns have gone, the name by twins with one fault each.
 
-The judge (twin/estimation/health.py) raises an alarm as seldom as is asked for. Which fault it is is not left to the
+The judge (twin/estimation/health.py) suspects a fault as seldom as is asked for. Which fault it is is not left to the
 unknowns of one estimate, which go over from one to another while a fault is new, and for long where the model of the
-rig is not exact: from the alarm on twins of the baseline with one number changed run beside the rig
-(twin/estimation/contest.py). The first that is a hundred times as likely as any other, and as none, is named.
+rig is not exact: from then on twins of the baseline with one number changed run beside the rig
+(twin/estimation/contest.py). It is an alarm once one of them is a hundred times as likely as the baseline, or the
+baseline explains what is read no longer as it did. The first that is a hundred times as likely as any other, and as
+none, is named.
 """
 
 import math
@@ -51,7 +53,8 @@ class Diagnosis:
         self._own: Shots | None = None  # the twin of the baseline alone, for ever
         self._contest: Contest | None = None
         self._named: Named | None = None
-        self._rested = 0.0  # [s], when the last contest ended
+        self._confirmed = False  # what the judge suspects the twins see, too
+        self._rested = -math.inf  # [s], when the last contest ended
         self._recent: deque[float] = deque(maxlen=HEALED)  # J of the baseline
         self._clear()
 
@@ -117,37 +120,47 @@ class Diagnosis:
     def _isolated(self, health: Health) -> Health:
         """A verdict, with the name that the twins have found."""
         if health.verdict <= Verdict.COMMISSIONING:
-            self._contest = self._named = None
+            self._drop()
             return health
-        alarm = health.verdict > Verdict.HEALTHY
-        if alarm:
+        suspected = health.verdict > Verdict.HEALTHY
+        if suspected:
             self._decide(health)
         elif self._named is None or self._healed():
-            self._contest = self._named = None
+            self._drop()
             return health
+        if not self._confirmed:
+            return health._replace(verdict=Verdict.HEALTHY, suspects=(), confidence=math.nan, since=math.nan)
         if self._named is None:
             ranked = sorted(health.findings, key=lambda name: -abs(np.nan_to_num(health.findings[name].deviate)))
             return health._replace(verdict=Verdict.ONE_OF, suspects=tuple(ranked[:2]))
-        since = health.since if alarm else self.latest.since
+        since = health.since if suspected else self.latest.since
         return _with(self._named, health._replace(since=since), self._rules)
+
+    def _drop(self) -> None:
+        """Nothing is suspected any more."""
+        self._contest = self._named = None
+        self._confirmed, self._rested = False, -math.inf
 
     def _decide(self, health: Health) -> None:
         """Begin, go on with or end a contest."""
         contest, rules = self._contest, self._rules
         if contest is None:
-            if self._named is None or health.stamp - self._rested >= rules.again:
+            if health.stamp - self._rested >= rules.again:
                 assert self.judge.baseline is not None
                 self._contest = Contest(self._estimate, self.judge.baseline.mean, self._scales())
             return
         if contest.shots < rules.shots:
             return
         found = contest.ranking()
+        told = found.nothing >= rules.certain
+        self._confirmed = self._confirmed or told or found.without > rules.explained
         likely = tuple(name for name, behind in found.behind.items() if behind < rules.certain)
         ended = contest.shots >= rules.most_shots
         if ended and health.verdict is Verdict.FAULT and health.suspects[0] in likely:
             likely = health.suspects  # what the twins leave open the estimate may tell
-        if (found.nothing >= rules.certain and len(likely) == 1) or ended:
-            self._named, self._contest, self._rested = Named(likely, found), None, health.stamp
+        if ended or (told and len(likely) == 1):
+            self._named = Named(likely, found) if self._confirmed else None
+            self._contest, self._rested = None, health.stamp
 
     def _healed(self) -> bool:
         return len(self._recent) == HEALED and float(np.mean(self._recent)) < self._rules.explained
