@@ -155,7 +155,10 @@ def convergence(scenario: SCENARIO = "step", changes: CHANGES = None, as_json: A
 
 
 def scenarios(as_json: AS_JSON = False) -> None:
-    """List the built-in scenarios."""
+    """List the built-in scenarios.
+
+    --json says what each expects, too.
+    """
     from bridge.cli.tables import print_table
     from bridge.scenario.files import listed, names
 
@@ -169,7 +172,6 @@ def scenarios(as_json: AS_JSON = False) -> None:
         )
         return
     print_table((*keys, "bands"), [(*row, str(len(s.bands) or "")) for row, s in zip(rows, found, strict=True)])
-    print("all numbers of one: hydrotwin describe NAME; what each expects: hydrotwin scenarios --json")
 
 
 def schema() -> None:
