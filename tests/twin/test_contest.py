@@ -29,7 +29,7 @@ def test_the_size_is_found_between_those_that_run():
     found, _ = ranked(1.3, 12, np.random.default_rng(1))
     size, deviation = found.sizes["a"]
     assert next(iter(found.behind)) == "a"
-    assert size == pytest.approx(1.3, abs=3.0 / (3.0 * math.sqrt(12 * SCANS)) + 1.0 / 32.0)
+    assert size == pytest.approx(1.3, abs=3.0 / (3.0 * math.sqrt(12 * SCANS)) + 1.0 / 64.0)
     assert deviation < 0.1
 
 

@@ -8,7 +8,8 @@ it is no less than when the rig was in order, n independent residuals of a shot 
     -n/2 ln(1 + J),
 
 which is that of Student's t but for constants, so that no single shot decides. Its sum over the shots is greatest at
-the size of a hypothesis, and tells hypotheses apart. The deviation of the size is the jackknife's, over the shots.
+the size of a hypothesis, and tells hypotheses apart. The deviation of the size is the jackknife's, over the shots, and
+that of the places at which it is looked for.
 """
 
 import math
@@ -28,7 +29,7 @@ from twin.kernel import interpreted
 Array = NDArray[np.float64]
 SIZES = (0.5, 1.0, 2.0, 4.0, 8.0)  # in deviations of the unknown at the start
 INDEPENDENT = 4.0  # residuals of a shot, assumed: five channels that swing together for some periods
-BETWEEN = np.linspace(0.0, 1.0, 17)  # of two sizes, where one is looked for
+BETWEEN = np.linspace(0.0, 1.0, 33)  # of two sizes, where one is looked for
 
 
 class Ranking(NamedTuple):
@@ -123,7 +124,8 @@ def rank(links: Sequence[Link], squares: Array, products: Array) -> Ranking:
         at = np.unravel_index(np.argmax(total), total.shape)
         without = [float(places.flat[np.argmax(total - one)]) for one in of_shots]
         likely[name] = float(total[at])
-        sizes[name] = float(places[at]), math.sqrt((len(without) - 1) * float(np.var(without)))
+        apart = float(abs(places[at[0], 1] - places[at[0], 0]))
+        sizes[name] = float(places[at]), math.sqrt((len(without) - 1) * float(np.var(without)) + apart**2 / 12.0)
         left[name] = float(np.median(between[:, mine][:, at[0], at[1]]))
     order = sorted(likely, key=likely.__getitem__, reverse=True)
     first = likely[order[0]]
