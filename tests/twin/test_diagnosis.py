@@ -105,6 +105,15 @@ def test_what_the_twins_leave_open_the_estimate_tells(said):
     assert last.confidence == pytest.approx(math.exp(-1.0) / (1.0 + math.exp(-1.0)), rel=1e-3)
 
 
+def test_the_size_is_the_estimates_where_it_agrees(said):
+    """Its leakage has gone by 2, and twins of a leak say 1.5: as long as it does not, it is theirs."""
+    leak = CLEAR._replace(behind={"leak_across": 0.0, "friction": SURE}, sizes={"leak_across": (1.5, 0.1)})
+    Contest.ranked = leak
+    assert said(6, 2.0, 9.0)[-1].findings["leak_across"].size == pytest.approx(2.0, abs=0.05)
+    Contest.ranked = CLEAR
+    assert said(60, 2.0, 9.0)[-1].findings["friction"].size == 0.4
+
+
 def test_what_the_estimate_alone_suspects_is_no_alarm(said):
     """The baseline explains what is read as it did."""
     Contest.ranked = CLEAR._replace(nothing=1.0, without=0.6, shots=16)

@@ -131,8 +131,7 @@ class Diagnosis:
         if not self._confirmed:
             return health._replace(verdict=Verdict.HEALTHY, suspects=(), confidence=math.nan, since=math.nan)
         if self._named is None:
-            ranked = sorted(health.findings, key=lambda name: -abs(np.nan_to_num(health.findings[name].deviate)))
-            return health._replace(verdict=Verdict.ONE_OF, suspects=tuple(ranked[:2]))
+            return health._replace(verdict=Verdict.ONE_OF, suspects=_farthest(health.findings))
         since = health.since if suspected else self.latest.since
         return _with(self._named, health._replace(since=since), self._rules)
 
@@ -166,12 +165,22 @@ class Diagnosis:
         return len(self._recent) == HEALED and float(np.mean(self._recent)) < self._rules.explained
 
 
+def _farthest(findings: Mapping[str, Finding]) -> tuple[str, ...]:
+    """The two hypotheses whose unknowns have gone farthest."""
+    return tuple(sorted(findings, key=lambda name: -abs(np.nan_to_num(findings[name].deviate)))[:2])
+
+
 def _with(named: Named, health: Health, rules: Rules) -> Health:
     """What is said of a fault with a name, or of those that remain."""
     found = named.ranking
     alone = len(named.suspects) == 1 and found.nothing >= rules.certain
     findings = dict(health.findings)
+    agreed = (
+        _farthest(findings)[0] if health.explained else ""
+    )  # where the estimate has followed, its size is the better
     for name, (size, deviation) in found.sizes.items():
+        if name == agreed == named.suspects[0]:
+            continue
         deviate = findings[name].deviate if name in findings else math.nan
         findings[name] = Finding(deviate, size, deviation)
     whole = sum(math.exp(-behind) for behind in found.behind.values()) + math.exp(-found.nothing)
