@@ -16,7 +16,7 @@ from twin.estimation.unknowns import Prior
 from twin.topology import CHANNELS
 
 PRIORS = {"leakage": Prior(0.5, 0.0), "friction": Prior(0.1, 0.0)}
-RULES = Rules(look=0.5, window=1, commissioning=12, persistence=2, healthy=0.0)
+RULES = Rules(look=0.5, window=1, commissioning=12, persistence=2, healthy=0.0, resting=0)
 SURE = math.log(1e6)
 CLEAR = Ranking(
     {"friction": 0.0, "leak_across": SURE, "leak_outside_lower": 9.0}, SURE, {"friction": (0.4, 0.1)}, 0.5, 9.0, 4

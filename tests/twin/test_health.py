@@ -163,6 +163,19 @@ def test_what_is_not_known_is_not_judged():
     assert lost.verdict is Verdict.NOT_KNOWN
 
 
+def test_an_estimate_that_begins_anew_is_let_come_to_rest():
+    """For as many looks as the rules say it is not judged, and then as before."""
+    rng, covariance = np.random.default_rng(11), np.diag([0.05, 0.01, 0.01]) ** 2
+    found = judge(EXACT._replace(commissioning=60, resting=5), rng, covariance, STILL)
+    wild, verdicts = np.array([0.0, 0.9, 0.0]), []
+    look(found, 61.0, 0 * wild, covariance, following=False)
+    for k in range(8):
+        health = look(found, 62.0 + k, wild if k < 5 else 0 * wild, covariance)
+        assert health is not None
+        verdicts.append(health.verdict)
+    assert verdicts == [Verdict.NOT_KNOWN] * 5 + [Verdict.HEALTHY] * 3
+
+
 def test_a_baseline_is_what_its_windows_scatter_about():
     looks = np.random.default_rng(9).normal([1.0, 2.0], [0.1, 0.3], (4000, 2))
     found = baseline_of(looks, 1)
