@@ -4,7 +4,7 @@ The judge (twin/estimation/health.py) suspects a fault as seldom as is asked for
 unknowns of one estimate, which go over from one to another while a fault is new, and for long where the model of the
 rig is not exact: from then on twins of the baseline with one number changed run beside the rig
 (twin/estimation/contest.py). It is an alarm once one of them is a hundred times as likely as the baseline, or the
-baseline explains what is read no longer as it did. The first that is a hundred times as likely as any other, and as
+baseline leaves five times what it did. The first that is a hundred times as likely as any other, and as
 none, is named.
 """
 
@@ -152,7 +152,7 @@ class Diagnosis:
             return
         found = contest.ranking()
         told = found.nothing >= rules.certain
-        self._confirmed = self._confirmed or told or found.without > rules.explained
+        self._confirmed = self._confirmed or told or found.without > rules.strange
         likely = tuple(name for name, behind in found.behind.items() if behind < rules.certain)
         ended = contest.shots >= rules.most_shots
         if ended and health.verdict is Verdict.FAULT and health.suspects[0] in likely:

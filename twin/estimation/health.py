@@ -52,6 +52,9 @@ class Rules(NamedTuple):
     resting: int = 20  # looks after the estimate was lost, until it has come to rest
     margin: float = 2.0 * math.log(100.0)  # of twice the log likelihood; a hundred times as likely as the next
     healthy: float = 0.1  # what a healthy rig wanders by, as a share of the deviations of the unknowns at the start
+    strange: float = (
+        5.0  # mean square of what the baseline leaves, in order 1, from which on it is an alarm without a name
+    )
     explained: float = 1.5  # mean square of whitened innovations up to which sizes are believed; 1 for a right model
     shots: int = 4  # of half a second, before twins may name a fault
     most_shots: int = 16  # after which what is still likely is said
