@@ -326,8 +326,8 @@ def _spread(rows: Array, prior: Array, square: float) -> Array:
     """A row for each member, with the stated deviation of each number."""
     mean, spread = rows.mean(axis=0), rows.std(axis=0, ddof=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.where(spread > 0.0, stated(spread, prior, square) / spread, 0.0)
-    return mean + factor * (rows - mean)
+        factor = np.where(spread > 0.0, stated(spread, prior, square) / spread, 1.0)
+    return rows + (factor - 1.0) * (rows - mean)  # what all have in common stays to the bit
 
 
 def _refuse_few(members: int, unknowns: int) -> None:

@@ -18,7 +18,7 @@ distributed like Student's t, of (n - 1)/c^2 degrees of freedom where C makes up
 (F. E. Satterthwaite, Biometrics 2, 1946); it is turned into the normal deviate of the same tail, so that one limit
 serves all.
 
-An alarm needs `persistence` looks in a row above the limit L, a name as many in which it is the likeliest. With m
+A suspicion needs `persistence` looks in a row above the limit L, a name as many in which it is the likeliest. With m
 one-sided hypotheses (one of both signs counts twice) and N looks per hour the expected number of false alarms per hour
 is at most N m Q(L), whatever the correlation of looks and of hypotheses (Boole's inequality), with Q the normal tail. L
 makes this the number that is asked for. Neighbouring windows share most of their looks, and a run of looks is rarer
@@ -52,9 +52,7 @@ class Rules(NamedTuple):
     resting: int = 20  # looks after the estimate was lost, until it has come to rest
     margin: float = 2.0 * math.log(100.0)  # of twice the log likelihood; a hundred times as likely as the next
     healthy: float = 0.1  # what a healthy rig wanders by, as a share of the deviations of the unknowns at the start
-    strange: float = (
-        5.0  # mean square of what the baseline leaves, in order 1, from which on it is an alarm without a name
-    )
+    strange: float = 5.0  # mean square that the baseline leaves, in order 1, which is an alarm without a name
     explained: float = 1.5  # mean square of whitened innovations up to which sizes are believed; 1 for a right model
     shots: int = 4  # of half a second, before twins may name a fault
     most_shots: int = 16  # after which what is still likely is said

@@ -12,9 +12,7 @@ from twin.topology import PRESSURES
 
 EITHER, UP, DOWN = 0, 1, -1
 SHOWN_AT = 60e3 * 100e5  # [Pa], and l/min of m^3/s
-CREEP = (
-    3e-10  # [m/(s Pa)], of the piston by a leak to the outside as large as a first guess: 3 mm/s at 100 bar, assumed
-)
+CREEP = 3e-10  # [m/(s Pa)], of the piston by the unit of leaks to the outside: 3 mm/s at 100 bar, assumed
 
 WATCHED = {  # deviation at the start and drift per sqrt(s) of unknowns whose faults are looked for, all assumed
     "leakage": (0.5, 0.03),  # leaks grow by factors

@@ -32,7 +32,7 @@ class Shots:
     def __init__(self, estimate: Filter, names: Sequence[str], z: Array) -> None:
         """names: of the unknowns, those of the estimate first; z: a row for each twin."""
         assert estimate.members is not None
-        self._estimate, self._z = estimate, z
+        self._estimate = estimate
         self._unknowns = Unknowns(estimate.circuit.parts, names, len(z))
         self._unknowns.write(z)
         states = np.repeat(estimate.members.states[:1], len(z), axis=0)
@@ -50,7 +50,6 @@ class Shots:
     def begin(self, z: Array | None = None) -> None:
         """A shot, at the estimate; z: other unknowns than before."""
         if z is not None:
-            self._z = z
             self._unknowns.write(z)
         estimate, states = self._estimate, self._members.states
         assert estimate.members is not None
