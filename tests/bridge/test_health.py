@@ -1,18 +1,20 @@
 """A judge beside a twin: one fault found and rightly named, and a rig in order that is not called ill."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 from bridge.errors import UsageError
 from bridge.loop.follower import FollowerSide
-from bridge.loop.health import plain, watching, words_of
+from bridge.loop.health import FEWEST, plain, watching, words_of
 from bridge.replay.into_follower import through_follower
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import load
 from bridge.wire.codec import decode, encode
 from bridge.wire.health import PLACES
 from bridge.wire.messages import HEALTH
+from tests.support.command import hydrotwin_here
 from twin.estimation.health import Rules
 from twin.estimation.hypotheses import Verdict
 from twin.estimation.settings import Settings
@@ -70,3 +72,11 @@ def test_a_rig_that_is_another_than_the_twins_and_in_order_is_not_called_ill():
 def test_a_commissioning_too_short_for_three_windows_is_refused():
     with pytest.raises(UsageError, match="three windows"):
         FollowerSide(load("sine"), watching(Settings()), rules=RULES._replace(commissioning=4))
+
+
+def test_too_few_members_for_a_judge_are_refused(tmp_path: Path):
+    """In one line, before anything is read."""
+    done = hydrotwin_here("follow", "a.mcap", "--health", "--members", str(FEWEST - 1), cwd=tmp_path)
+    assert done.returncode == 2
+    assert f"--members {FEWEST - 1}: with --health at least {FEWEST}" in done.stderr
+    assert done.stderr.count("\n") == 1
