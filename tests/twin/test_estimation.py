@@ -17,7 +17,7 @@ from twin.estimation.draws import Draws, exact
 from twin.estimation.filter import Filter
 from twin.estimation.quantities import UNKNOWNS, Use
 from twin.estimation.settings import Settings
-from twin.estimation.transform import BLOCK, apply, combine
+from twin.estimation.transform import BLOCK, apply, combine, fade
 from twin.estimation.unknowns import Prior, Unknowns, priors
 from twin.sensors import Card
 from twin.topology import CHANNELS
@@ -88,6 +88,27 @@ def exact_normal(rng: np.random.Generator, n: int) -> np.ndarray:
     """A column of mean 0 and variance 1."""
     z = rng.normal(size=(n, 1))
     return (z - z.mean()) / z.std(ddof=1)
+
+
+def test_what_readings_have_said_fades_and_what_was_known_beforehand_does_not():
+    """Information is kept by a share, and the rest of it is that of the prior: normal densities, p^k p0^(1 - k)."""
+    z = exact_normal(np.random.default_rng(5), 24) * [0.1, 3.0, 0.4] + [0.6, -5.0, 0.2]
+    m, p, prior, kept = z.mean(axis=0), z.var(axis=0, ddof=1), np.array([0.5, 0.5, 0.0]), 0.9
+    fade(z, prior, kept)
+    informed = kept / p[:2] + (1.0 - kept) / prior[:2] ** 2
+    assert_allclose(z.var(axis=0, ddof=1)[:2], 1.0 / informed, rtol=1e-12)
+    assert_allclose(z.mean(axis=0)[:2], kept * (m / p)[:2] / informed, rtol=1e-12)
+    assert_allclose(z[:, 2].mean(), m[2])  # certain beforehand: its drift alone says what it may have done
+    assert_allclose(z[:, 2].var(ddof=1), p[2])
+
+
+def test_an_unknown_of_which_nothing_is_read_goes_back_to_what_was_known_of_it():
+    """However far it was: over hours nothing of it runs away."""
+    z = exact_normal(np.random.default_rng(5), 24)[:, :1] * 0.02 + 4.0
+    for _ in range(4000):  # of 5 ms at a growth of 1/s
+        fade(z, np.array([0.5]), math.exp(-0.01))
+    assert z.std(ddof=1) == pytest.approx(0.5, rel=1e-6)
+    assert z.mean() == pytest.approx(0.0, abs=1e-6)
 
 
 def test_what_is_not_read_changes_nothing():

@@ -20,7 +20,7 @@ from twin.estimation.members import Members
 from twin.estimation.quantities import ESTIMATED, Standing, Use
 from twin.estimation.settings import Settings
 from twin.estimation.start import begin, freedoms
-from twin.estimation.transform import BLOCK, apply, combine
+from twin.estimation.transform import BLOCK, apply, combine, fade
 from twin.estimation.unknowns import Unknowns, priors
 from twin.kernel import entry, kernel
 from twin.load_slot import push_of
@@ -70,7 +70,7 @@ class Filter:
         self.names = tuple(self.priors)
         _refuse_few(settings.members, len(self.names))
         n, self._lines = settings.members, compiled(circuit)
-        self._drift = np.array([prior.drift for prior in self.priors.values()])
+        self._beforehand, self._drift = np.array([*self.priors.values()]).reshape(-1, 2).T.copy()
         self._noise = np.array([*settings.noises().values()])
         self._noisy = np.array([WHERE[name] for name in settings.noises()])
         self._card, self.sensors = card, Sensors(card, settings, circuit.parts.step)
@@ -78,7 +78,6 @@ class Filter:
         self.unknowns = Unknowns(circuit.parts, self.names, n)
         self.z = np.zeros((n, len(self.names)))
         self._room = np.zeros((n + 1, BLOCK)), np.zeros(n), np.zeros((n, n)), np.zeros((n, n))
-        self._still = np.zeros((n, n))  # a change that leaves what is combined as it is
         self._draws = Draws(seed, len(self.names) + len(self._noise), n)
         self.members: Members | None = None
         self._corrections = 0
@@ -141,10 +140,9 @@ class Filter:
             return
         if not self._settled and self._scans:
             self._recentre()
-        stretch = math.exp(self.settings.inflation * self._since)
         self._blind += self._since
         if self._scans:
-            self._transform(stretch)
+            self._transform()
         self._wander()
         self.unknowns.write(self.z)
         self._admit(*self._admitted)
@@ -174,8 +172,7 @@ class Filter:
         assert self.members is not None
         kept, square = self.members.states.copy(), self._independent_square()
         unread = np.full(kept.shape[1], np.inf)
-        prior = np.array([one.deviation for one in self.priors.values()])
-        self.unknowns.write(_spread(self.z, prior, square))
+        self.unknowns.write(_spread(self.z, self._beforehand, square))
         self.members.states[:] = _spread(kept, unread, square)
         self._admit(*self._admitted)
         self.members.run(0.0, 0)
@@ -222,9 +219,11 @@ class Filter:
         room, weight, turn, change = self._room
         y, d = np.zeros((1, len(weight))), np.zeros(1)
         self._combine = entry(combine, y, d, d, weight, turn, change, d, self.z)
-        self._apply, self._exact = entry(apply, self.z, change, 1.0, room), entry(exact, change, change)
+        self._apply, self._exact = entry(apply, members.states, change, 1.0, room), entry(exact, change, change)
+        self._fade = entry(fade, self.z, self._beforehand, 1.0)
 
-    def _transform(self, stretch: float) -> None:
+    def _transform(self) -> None:
+        stretch = math.exp(self.settings.inflation * self._since)
         members, (room, weight, turn, change) = self.members, self._room
         assert members is not None
         y = np.vstack([scan[0] for scan in self._scans])
@@ -232,7 +231,7 @@ class Filter:
         mean = y.mean(axis=1, keepdims=True)
         y = np.ascontiguousarray(mean + stretch * (y - mean))
         missed = np.zeros(len(d))
-        self._apply(self.z, self._still, stretch, room)
+        self._fade(self.z, self._beforehand, stretch**-2)
         self._combine(y, d, r, weight, turn, change, missed, self.z)
         self._apply(members.states, change, stretch, room)
         by_channel = missed.reshape(len(self._scans), -1)

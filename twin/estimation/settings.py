@@ -14,7 +14,8 @@ class Settings(NamedTuple):
     every: int = 5  # scans between two corrections; each uses all scans since the last
     without: tuple[str, ...] = ()  # channels that are looked at and not used
     unknowns: Mapping[str, Prior] = {}  # in place of those of `UNKNOWNS`
-    inflation: float = 0.05  # growth of the deviations by themselves [1/s], for what so few members miss
+    inflation: float = 0.05  # growth of the deviations by themselves [1/s], for what so few members miss; of unknowns
+    # up to those that were known beforehand
     settling: float = 0.05  # after a beginning, until waves and flows that no scan tells have died [s]
     pressure_error: float = 0.2e5  # of the model, in what a transducer would touch [Pa]: waves at its step
     velocity_error: float = 0.5e-3  # [m/s]

@@ -18,6 +18,14 @@ the states, by its own regression on each reading, times the share of a correlat
 
 (1 - c^2)^2/(N - 2) being the variance of c. That is a sampling error correction (J. L. Anderson, Monthly Weather Review
 140, 2012) in closed form; a correlation of less than 0.2 between 24 members counts as none.
+
+What the readings have said of an unknown is forgotten, what was known of it beforehand is not (stabilised forgetting:
+R. Kulhavy, M. B. Zarrop, International Journal of Control 58, 1993). Of a normal distribution of mean m and variance P,
+and one of mean 0 and variance P0 beforehand, a share k of the information is kept,
+
+    1/P' = k/P + (1 - k)/P0,    m' = P' k m/P,
+
+so an unknown of which nothing is read goes back to what it was taken for, and its deviation grows no further.
 """
 
 import math
@@ -84,6 +92,22 @@ def _regress(z, row, mean: float, spread: float, shift: float, shrink: float) ->
         kept = max(0.0, 1.0 - (1.0 - square) ** 2 / ((n - 2) * square))
         for m in range(n):
             z[m, i] += kept * along * (shift - shrink * (row[m] - mean))
+
+
+@kernel
+def fade(z, prior, kept: float) -> None:
+    """Keep a share of what readings have said of unknowns, in place; a row of z for each member.
+
+    prior: their deviations beforehand; where nothing was uncertain then, there is nothing to go back to.
+    """
+    n = len(z)
+    for i in range(z.shape[1]):
+        mean, spread = _moments(z[:, i])
+        if spread == 0.0 or prior[i] == 0.0:
+            continue
+        ratio = kept + (1.0 - kept) * spread / prior[i] ** 2  # P/P'
+        for m in range(n):
+            z[m, i] = kept * mean / ratio + (z[m, i] - mean) / math.sqrt(ratio)
 
 
 @kernel
