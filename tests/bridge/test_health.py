@@ -20,7 +20,7 @@ from twin.estimation.hypotheses import Verdict
 from twin.estimation.settings import Settings
 
 MOTION = ["reference.frequency=1 Hz", "reference.amplitude=25 mm", "reference.at=0.5 s"]
-RULES = Rules(alarms_per_hour=1.0, look=0.25, window=2, commissioning=24)
+RULES = Rules(alarms_per_hour=1.0, look=0.25, window=2, commissioning=24, resting=0)
 LEAK = 'fault=[{target="cylinder", kind="leak", factor=10.0, at="7.8 s"}]'
 HOLE = 0.6 * 0.25 * math.pi * 0.3e-3**2 * math.sqrt(2.0 / (870.0 * 30e5))  # [m^3/(s Pa)], of 0.3 mm at 30 bar
 OTHER = ["rig.load.mass=132 kg", "rig.valve.rated_flow=27 l/min", "rig.seal.limit=0.275", "rig.seal.alpha=4.2e-6"]

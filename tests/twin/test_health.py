@@ -12,7 +12,7 @@ from twin.estimation.quantities import UNKNOWNS
 
 NAMES = ("leakage", "friction", "valve_gain")
 PRIORS = {"leakage": 0.5, "friction": 0.1, "valve_gain": 0.1}
-EXACT = Rules(look=1.0, window=1, persistence=1, healthy=0.0)
+EXACT = Rules(look=1.0, window=1, persistence=1, healthy=0.0, resting=0)
 SURE = 1e-12 * np.eye(3)
 STILL = np.full(3, 1e-5)  # deviations of looks that all but repeat themselves
 
@@ -20,7 +20,7 @@ STILL = np.full(3, 1e-5)  # deviations of looks that all but repeat themselves
 def judge(rules: Rules, rng: np.random.Generator, covariance: np.ndarray, deviations: np.ndarray) -> Judge:
     """One that has been commissioned on white looks."""
     found = Judge(PRIORS, rules)
-    for k in range(rules.commissioning + 1):
+    for k in range(rules.resting + rules.commissioning + 1):
         look(found, float(k), deviations * rng.normal(size=3), covariance)
     assert found.baseline is not None
     return found
@@ -71,7 +71,7 @@ def test_looks_that_hang_together_alarm_less_often():
     """Windows of four looks that forget within ten: fewer alarms than asked for, and not none."""
     rng, rules = (
         np.random.default_rng(2),
-        Rules(alarms_per_hour=300.0, look=1.0, commissioning=400, persistence=1, healthy=0.0),
+        EXACT._replace(alarms_per_hour=300.0, commissioning=400),
     )
     found, z, alarms, was = Judge(PRIORS, rules), np.zeros(3), 0, Verdict.COMMISSIONING
     for k in range(4000):
@@ -168,12 +168,24 @@ def test_an_estimate_that_begins_anew_is_let_come_to_rest():
     rng, covariance = np.random.default_rng(11), np.diag([0.05, 0.01, 0.01]) ** 2
     found = judge(EXACT._replace(commissioning=60, resting=5), rng, covariance, STILL)
     wild, verdicts = np.array([0.0, 0.9, 0.0]), []
-    look(found, 61.0, 0 * wild, covariance, following=False)
+    look(found, 66.0, 0 * wild, covariance, following=False)
     for k in range(8):
-        health = look(found, 62.0 + k, wild if k < 5 else 0 * wild, covariance)
+        health = look(found, 67.0 + k, wild if k < 5 else 0 * wild, covariance)
         assert health is not None
         verdicts.append(health.verdict)
     assert verdicts == [Verdict.NOT_KNOWN] * 5 + [Verdict.HEALTHY] * 3
+
+
+def test_an_estimate_that_has_just_begun_is_no_baseline():
+    """What it is while it comes to rest is not what the rig is commissioned with."""
+    found = Judge(PRIORS, EXACT._replace(commissioning=60, resting=5))
+    rng, verdicts = np.random.default_rng(12), []
+    for k in range(67):
+        health = look(found, float(k), (5.0 if k <= 5 else 0.0) + STILL * rng.normal(size=3), SURE)
+        verdicts.append(health and health.verdict)
+    assert verdicts == [None] + [Verdict.NOT_KNOWN] * 5 + [Verdict.COMMISSIONING] * 60 + [Verdict.HEALTHY]
+    assert found.baseline is not None
+    assert found.baseline.mean == pytest.approx(np.zeros(3), abs=1e-4)
 
 
 def test_a_baseline_is_what_its_windows_scatter_about():

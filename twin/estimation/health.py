@@ -49,7 +49,7 @@ class Rules(NamedTuple):
     window: int = 4  # looks; whole cycles of the motion, for what comes and goes with it
     commissioning: int = 60  # looks; 15 windows
     persistence: int = 3  # looks
-    resting: int = 20  # looks after the estimate was lost, until it has come to rest
+    resting: int = 20  # looks after the estimate has begun, or was lost, until it has come to rest
     margin: float = 2.0 * math.log(100.0)  # of twice the log likelihood; a hundred times as likely as the next
     healthy: float = 0.1  # what a healthy rig wanders by, as a share of the deviations of the unknowns at the start
     strange: float = 5.0  # mean square that the baseline leaves, in order 1, which is an alarm without a name
@@ -150,7 +150,7 @@ class Judge:
         self._looks: deque[Array] = deque(maxlen=self.rules.commissioning)
         self._covariances: deque[Array] = deque(maxlen=self.rules.window)
         self._alarm, self._against, self._since = False, 0, math.nan
-        self._rests = 0  # looks that are still waited for
+        self._rests = self.rules.resting  # looks that are still waited for
         self._first, self._firsts = "", 0  # the likeliest hypothesis, and in how many looks in a row
         self._begin(math.nan)
 
@@ -178,7 +178,7 @@ class Judge:
             self._covariances.clear()  # what came before says nothing of what comes after
             if self.baseline is not None:
                 self._looks.clear()
-                self._rests = self.rules.resting
+            self._rests = self.rules.resting
             self._alarm, self._against = False, 0
             return Health(stamp, Verdict.NOT_KNOWN, (), math.nan, math.nan, {})
         if self._rests:
