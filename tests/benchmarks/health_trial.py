@@ -6,10 +6,10 @@
     python -m tests.benchmarks.health_trial trial.part --in-order 3600  rigs in order alone, each for an hour
     python -m tests.benchmarks.health_trial trial.part --shares         print what is there
 
-A round is one rig, in motion with a sine or random steps, with noise of its own. Its estimate comes to rest for 10 s and
-is watched for 30 s; at 43 s the process forks, once for each fault, so that the commissioning is paid for once. The rigs
-of odd rounds are 10 % off in five numbers from the beginning, which the twins do not know. Each run is kept as it ends;
-the next call goes on.
+A round is one rig, in motion with a sine or random steps, with noise of its own. Its estimate comes to rest for 10 s,
+then it is watched for 30 s. At 43 s the process forks, once for each fault, so that commissioning is paid for once.
+Rigs of odd rounds are 10 % off in five numbers from the beginning, which the twins do not know. Each run is kept as it
+ends; the next call goes on.
 """
 
 import argparse

@@ -12,7 +12,7 @@ from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten, unflatten
 from twin.cylinder import Chambers
 from twin.estimation.admissible import admit
-from twin.estimation.consistency import BAD, GOOD, STUCK, Watch
+from twin.estimation.consistency import BAD, GOOD, STUCK, Watch, stated
 from twin.estimation.draws import Draws, exact
 from twin.estimation.filter import Filter
 from twin.estimation.quantities import UNKNOWNS, Use
@@ -178,6 +178,14 @@ def test_a_combination_is_made_a_state_that_a_twin_can_have():
     assert found.core.chambers.lower == pytest.approx(volume * (1.0 + p_lower / cylinder.bulk_modulus), rel=1e-14)
     assert isinstance(found.core.chambers, Chambers)
     assert found.core.relief.state.pilot_lift == 0.0
+
+
+def test_a_deviation_is_stated_by_what_the_innovations_say():
+    """Information that readings gave by their mean square, that from beforehand as it is, a wider spread as it is."""
+    spread, prior = np.array([0.1, 0.3, 0.5, 0.0]), np.array([0.2, 0.3, 0.2, 0.2])
+    of_both = (1.0 / 0.2**2 + (1.0 / 0.1**2 - 1.0 / 0.2**2) / 0.25) ** -0.5
+    assert_allclose(stated(spread, prior, 0.25), [of_both, 0.3, 0.5, 0.0], rtol=1e-12)
+    assert_allclose(stated(spread, prior, 4.0), 2.0 * spread)
 
 
 def test_a_channel_is_left_out_and_taken_again():

@@ -48,8 +48,9 @@ def stated(spread: NDArray[np.float64], prior: NDArray[np.float64], square: floa
     square: mean square of the independent innovations, whitened. The errors that the filter allows its model are those
     of a rig at the worst; how large they are on this one the innovations say, whose mean square is the factor by which
     variances are too large: the variance of unit weight of an adjustment (Koch 1999, 3.2), of filters Mehra 1970.
-    What was known beforehand owes nothing to these errors, so only the information that has come since is scaled. A
-    square above 1 widens the whole.
+    What was known beforehand owes nothing to these errors, so only the information that has come since is scaled; what
+    spreads wider than beforehand (friction does, of a piston that may stick or not) is stated as it spreads. A square
+    above 1 widens the whole.
     """
     if square >= 1.0:
         return spread * math.sqrt(square)
@@ -57,7 +58,7 @@ def stated(spread: NDArray[np.float64], prior: NDArray[np.float64], square: floa
         before = np.where(prior > 0.0, prior**-2.0, 0.0)
         since = np.maximum(spread**-2.0 - before, 0.0)
         found = (before + since / max(square, LEAST_SQUARE)) ** -0.5
-    return np.where(spread > 0.0, np.minimum(found, spread), 0.0)
+    return np.where(since > 0.0, np.minimum(found, spread), spread)
 
 
 class Watch:
