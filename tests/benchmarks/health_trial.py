@@ -29,7 +29,7 @@ from bridge.loop.plant import PlantSide
 from bridge.runs.campaign.statistics import wilson
 from bridge.scenario import Scenario, check, load
 from bridge.studies.sweep.journal import Journal, key_of
-from bridge.wire.messages import Outgoing
+from tests.support.beside import hand
 from twin.cache_folder import fingerprint
 from twin.estimation.health import Health, Rules
 from twin.estimation.hypotheses import Verdict
@@ -38,7 +38,6 @@ from twin.estimation.settings import Settings
 AT = 43  # [s], when the fault comes
 ROUNDS = 20
 RULES = Rules()
-ORDER = {"command": 0, "event": 1}
 OFF = ("load.mass", "valve.rated_flow", "seal.limit", "seal.alpha", "cylinder.leakage_resistance")
 
 
@@ -146,17 +145,6 @@ def forked(names: Sequence[str]) -> str:
             return name
         os.waitpid(child, 0)
     return ""
-
-
-def hand(messages: Sequence[Outgoing], side: FollowerSide) -> None:
-    """An instant of the loop to the follower."""
-    for message in sorted(messages, key=lambda m: ORDER.get(m.topic, 2)):
-        if message.topic == "command":
-            side.take(message.message)
-        elif message.topic == "event":
-            side.heed(message.message)
-        elif message.topic == "measurement":
-            side.hear(message.message)
 
 
 def point(seed: int, name: str) -> dict[str, Any]:

@@ -8,34 +8,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bridge.errors import RunError, ScenarioError
+from bridge.errors import RunError
 from bridge.loop.c_compiler import HEADER
 from bridge.loop.c_law import SAMPLE, TARGET
 from bridge.loop.controller import ControllerSide
 from bridge.loop.law import law_of
 from bridge.recording.reader import read
 from bridge.runs.in_process import record_in_process
-from bridge.runs.run import ready_to_run
 from bridge.scenario import Scenario, load
 from bridge.scenario.gains import law_gains
 from controller.law import Sample
 from controller.reference import Target
+from tests.support.c_law import page, scenario, written
 from tests.support.command import hydrotwin_here
-from tests.support.processes import ROOT, UNDRAWN, hydrotwin
+from tests.support.processes import UNDRAWN, hydrotwin
 
 CC = shutil.which("cc")
 pytestmark = pytest.mark.skipif(CC is None, reason="there is no C compiler `cc` on this machine")
-HEAD = """\
-#include <math.h>
-#include "hydrotwin_law.h"
-"""
-VERSION = "const int32_t hydrotwin_law_version = HYDROTWIN_LAW_VERSION;\n"
-LAW = """
-int hydrotwin_law(const hydrotwin_sample *sample, const hydrotwin_target *target, const hydrotwin_facts *facts,
-                  const double *parameters, double *memory, double *spool, double *signals) {
-%s
-}
-"""
 REST = Sample(0, 0.1, 0.0, 0.0, 0.0, 0.0), Target(0.1, 0.0)
 
 
@@ -53,15 +42,6 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "cache"
 
 
-def written(body: str, more: str = "", head: str = HEAD + VERSION) -> None:
-    """The law of the working folder."""
-    Path("law.c").write_text(head + more + LAW % body)
-
-
-def scenario(*changes: str) -> Scenario:
-    return load("step", ["controller.kind=c", "controller.source=law.c", "duration=0.3", *changes])
-
-
 def answers(asked: Scenario, count: int, sample: Sample = REST[0], target: Target = REST[1]) -> list[float]:
     """Of a fresh run."""
     law, memory, found = law_of(asked.controller), None, []
@@ -70,12 +50,6 @@ def answers(asked: Scenario, count: int, sample: Sample = REST[0], target: Targe
         spool, memory, *_ = law.answer(sample, target, memory, gains)
         found.append(spool)
     return found
-
-
-def page(language: str) -> str:
-    """The example of docs/running.md."""
-    section = (ROOT / "docs/running.md").read_text(encoding="utf-8").partition("## A law in C")[2]
-    return section.partition(f"```{language}\n")[2].partition("```")[0]
 
 
 def pages_law() -> None:
@@ -223,91 +197,6 @@ def test_a_law_that_fails_ends_the_run_in_one_line(body: str, more: str, said: s
     assert said in str(raised.value)
     assert "\n" not in str(raised.value)
     assert read(Path("a.mcap")).complete
-
-
-def refusal(*changes: str) -> str:
-    with pytest.raises(ScenarioError) as raised:
-        ready_to_run(scenario(*changes))
-    assert "\n" not in str(raised.value)
-    return str(raised.value)
-
-
-ZERO = "*spool = 0; return 0;"
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (HEAD + LAW % ZERO, "exports no hydrotwin_law_version, so it is not a law: include hydrotwin_law.h"),
-        (
-            HEAD + "const int32_t hydrotwin_law_version = 2;" + LAW % ZERO,
-            "is of version 2 of hydrotwin_law.h, this is 1",
-        ),
-        (HEAD + VERSION, "exports no function hydrotwin_law: define it"),
-        (HEAD + VERSION + LAW % "*spool = 0 return 0;", "does not compile: law.c:7:"),
-        (HEAD + VERSION + LAW % "*spool = forgotten(1.0); return 0;", "does not compile: law.c:7:"),
-        (HEAD + VERSION + "int other(void);" + LAW % "*spool = other(); return 0;", "undefined symbol: other"),
-        ('#include "model.h"\n', "does not compile: law.c:1:10: fatal error: "),
-        (HEAD + VERSION + "const int32_t hydrotwin_law_memory = -1;" + LAW % ZERO, "asks for -1 numbers of memory"),
-        (
-            HEAD + VERSION + 'const char *const hydrotwin_law_parameters[] = {"k p", 0};' + LAW % ZERO,
-            "has a name 'k p': names are letters",
-        ),
-    ],
-)
-def test_a_library_that_is_not_a_law_is_refused_in_one_line(text: str, said: str):
-    Path("law.c").write_text(text)
-    assert said in refusal()
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ([], "controller.parameters.gain: controller.source 'law.c' needs it"),
-        (["gain=1", "gian=1"], "gian: controller.source 'law.c' has none of this name; did you mean 'gain'?"),
-    ],
-)
-def test_parameters_are_those_that_the_law_names(changes: list[str], said: str):
-    written(ZERO, 'const char *const hydrotwin_law_parameters[] = {"gain", 0};\n')
-    assert said in refusal(*(f"controller.parameters.{change}" for change in changes))
-
-
-def test_a_law_without_parameters_takes_none():
-    written(ZERO)
-    assert "has none of this name, nor any other" in refusal("controller.parameters.gain=1")
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        (["controller.library=law.so"], "controller.library or as controller.source, one of the two"),
-        (["controller.source="], "controller.library or as controller.source, one of the two"),
-        (["controller.source=law.cpp"], "'law.cpp' is not a C file; compile it yourself"),
-        (["controller.parameters.a=fast"], "a = 'fast': a law in C takes numbers"),
-        (["controller.parameters.a=[1, 2]"], "a = [1, 2]: a law in C takes numbers"),
-        (["controller.parameters.a=1 furlong"], "unit 'furlong' is unknown"),
-        (["controller.gain=1"], "kind 'c' does not have it, but 'pd'"),
-    ],
-)
-def test_a_scenario_that_does_not_fit_is_refused_in_one_line(changes: list[str], said: str):
-    assert said in refusal(*changes)
-
-
-def test_a_file_that_is_missing_or_not_a_library_is_refused():
-    assert "controller.source 'law.c': there is no such file beside the scenario" in refusal()
-    Path("law.so").write_text("no library")
-    said = refusal("controller.source=", "controller.library=law.so")
-    assert said.startswith("controller.library 'law.so' cannot be loaded: ")
-    assert "/tmp" not in said
-
-
-def test_without_a_compiler_one_sentence_says_so(monkeypatch: pytest.MonkeyPatch):
-    written(ZERO)
-    monkeypatch.setenv("CC", "nobody -O3")
-    assert refusal() == (
-        "controller.source 'law.c': there is no C compiler 'nobody' on this machine; install one (gcc or clang), "
-        "or give a compiled library as controller.library"
-    )
 
 
 def test_it_is_compiled_again_when_what_it_includes_changes(cache: Path, monkeypatch: pytest.MonkeyPatch):

@@ -24,7 +24,7 @@ from bridge.scenario.units import UNITS
 from controller.law import Sample
 from controller.laws import LAWS
 from controller.reference import Target
-from tests.bridge.test_c_law import page
+from tests.support.c_law import page
 from tests.support.command import hydrotwin_here
 from tests.support.fmu import EMULATORS, Opened, coupled, coupled_elsewhere, exported, opened, watched
 from twin.sensors import noise_block

@@ -8,7 +8,7 @@ import pytest
 from bridge.loop.exchange import exchange, sides
 from bridge.loop.follower import FollowerSide
 from bridge.scenario import load
-from tests.benchmarks.health_trial import hand
+from tests.support.beside import hand
 from twin.estimation.settings import Settings
 from twin.estimation.shots import SHOT, Shots
 from twin.topology import CHANNELS
