@@ -33,6 +33,17 @@ def test_the_size_is_found_between_those_that_run():
     assert deviation < 0.1
 
 
+def test_what_is_proportional_to_a_factor_is_found_between_far_sizes():
+    """Residuals linear in a leak that is ten times as large, beside twins of e^2 and e^4: within a place."""
+    rng, sizes = np.random.default_rng(4), np.array([0.0, 2.0, 4.0])
+    links = [Link("leak", (k, k + 1), (sizes[k], sizes[k + 1]), factor=True) for k in range(2)]
+    shape, noise = rng.normal(size=(2, 6, SCANS))
+    r = noise + (10.0 - np.exp(sizes))[:, None, None] * shape
+    products = [(r[k] * r[k + 1]).mean(axis=1) for k in range(2)]
+    found = rank(links, (r * r).mean(axis=2).T, np.array(products).T)
+    assert found.sizes["leak"][0] == pytest.approx(math.log(10.0), abs=2.0 / 64.0)
+
+
 def test_likelihoods_are_those_of_the_stated_law():
     """Of the baseline and of the first, by hand."""
     found, squares = ranked(1.0, 6, np.random.default_rng(2))

@@ -1,9 +1,10 @@
 """Which of several faults explains what a rig does: twins with one number changed each, beside it in short shots.
 
 Each hypothesis has twins of several sizes s, and the baseline one of none. r(s) are a twin's residuals in units of what
-the baseline's were while the rig was in order, taken as linear between the sizes that run, and J(s) their mean square
-in a shot. How large they are differs from shot to shot, as the motion does; with nothing known of their scale but that
-it is no less than when the rig was in order, n independent residuals of a shot have the log likelihood
+the baseline's were while the rig was in order, between the sizes that run taken as linear in the number itself and
+not in ln of its factor: what a leak, a drop or a rub does is proportional to it. J(s) is their mean square in a shot.
+How large they are differs from shot to shot, as the motion does; with nothing known of their scale but that it is no
+less than when the rig was in order, n independent residuals of a shot have the log likelihood
 
     -n/2 ln(1 + J),
 
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 from twin.actuator import areas
 from twin.estimation.filter import Filter
 from twin.estimation.hypotheses import CREEP, DOWN, HYPOTHESES, UP, Hypothesis
-from twin.estimation.quantities import LEAKS_OUTSIDE
+from twin.estimation.quantities import LEAKS_OUTSIDE, UNKNOWNS
 from twin.estimation.shots import Shots, known_to
 from twin.kernel import interpreted
 
@@ -49,6 +50,12 @@ class Link(NamedTuple):
     name: str
     rows: tuple[int, int]
     sizes: tuple[float, float]
+    factor: bool = False  # sizes are ln of one
+
+    def shares(self) -> Array:
+        """How far from the first to the second the number is, at places evenly between their sizes."""
+        first, second = self.sizes
+        return np.expm1((second - first) * BETWEEN) / math.expm1(second - first) if self.factor else BETWEEN
 
 
 class Contest:
@@ -109,7 +116,7 @@ class Contest:
 def rank(links: Sequence[Link], squares: Array, products: Array) -> Ranking:
     """What some shots say; squares: shots x twins, J of each; products: shots x links, of the residuals of its two."""
     low, high = np.array([link.rows for link in links]).T
-    t = BETWEEN
+    t = np.array([link.shares() for link in links])
     between = (
         squares[:, low, None] * (1.0 - t) ** 2
         + squares[:, high, None] * t**2
@@ -119,7 +126,7 @@ def rank(links: Sequence[Link], squares: Array, products: Array) -> Ranking:
     likely, sizes, left = {}, {}, {}
     for name in dict.fromkeys(link.name for link in links):
         mine = [k for k, link in enumerate(links) if link.name == name]
-        places = np.array([np.interp(t, (0.0, 1.0), links[k].sizes) for k in mine])
+        places = np.array([np.interp(BETWEEN, (0.0, 1.0), links[k].sizes) for k in mine])
         of_shots, total = each[:, mine], each[:, mine].sum(axis=0)
         at = np.unravel_index(np.argmax(total), total.shape)
         without = [float(places.flat[np.argmax(total - one)]) for one in of_shots]
@@ -145,12 +152,13 @@ def _twins(estimate: Filter, names: tuple[str, ...], baseline: Array) -> tuple[l
         if hypothesis.unknown not in names:
             continue
         place, unit = names.index(hypothesis.unknown), _unit(estimate, hypothesis)
+        factor = not UNKNOWNS[hypothesis.unknown].unit
         for sign in _signs(hypothesis):
             before, size = 0, 0.0
             for share in SIZES:
                 row = rows[0].copy()
                 row[place] += sign * share * unit
-                links.append(Link(name, (before, len(rows)), (size, sign * share * unit)))
+                links.append(Link(name, (before, len(rows)), (size, sign * share * unit), factor))
                 before, size = len(rows), sign * share * unit
                 rows.append(row)
     return links, np.array(rows)
