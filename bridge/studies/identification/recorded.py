@@ -55,7 +55,7 @@ def record_in(recording: Recording) -> Record:
 
 def name_of(path: Path) -> str:
     """A recording in a table."""
-    return f"{path.parent.name}/{path.stem}" if path.stem == "run" else path.stem
+    return f"{path.absolute().parent.name}/{path.stem}" if path.stem == "run" else path.stem
 
 
 def _end(recording: Recording, scenario: Scenario, last: int) -> tuple[int, str]:
