@@ -69,7 +69,7 @@ TRIALS = {
         "leak_outside_upper", 14, {"target": "pipe_4", "kind": "burst", "diameter": 0.3e-3}
     ),
     "pump leak x2": Trial("pump_wear", 12, {"target": "pump", "kind": "wear", "factor": 2.0}),
-    "p2 drifts, 1 bar/min": Trial("sensor_p2", 35, {"target": "sensor.p2", "kind": "drift", "rate": 1e5 / 60.0}),
+    "p2 drifts, 1 bar/min": Trial("sensor_p2", 60, {"target": "sensor.p2", "kind": "drift", "rate": 1e5 / 60.0}),
 }
 
 
