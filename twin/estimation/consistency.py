@@ -7,7 +7,6 @@ value for `STUCK` scans is stuck; at the end of its range it may. All numbers ar
 """
 
 import math
-from collections import deque
 from typing import NamedTuple
 
 import numpy as np
@@ -69,7 +68,8 @@ class Watch:
         self._noisy = noise >= LEAST_NOISE
         self._ends = ends
         self._last, self._same, self._bad, self._good = math.nan, 0, 0, 0
-        self._missed: deque[float] = deque(maxlen=WINDOW)
+        self._missed, self._readings = np.zeros(WINDOW), 0  # the newest last, and how many there are
+        self._verdict: Verdict | None = None  # on them
 
     def look(self, reading: float, away: float, alone: bool) -> float:
         """How much of a reading's variance counts more than stated; NaN where it is left out.
@@ -98,14 +98,23 @@ class Watch:
 
     def note(self, missed: NDArray[np.float64]) -> None:
         """Take whitened innovations of readings that were used."""
-        self._missed.extend(missed[~np.isnan(missed)].tolist())
+        used = missed[~np.isnan(missed)][-WINDOW:]
+        if count := len(used):
+            self._missed[:-count] = self._missed[count:]
+            self._missed[-count:] = used
+            self._readings, self._verdict = min(WINDOW, self._readings + count), None
 
     def verdict(self) -> Verdict:
         """Over the last second or so."""
-        found = np.array(self._missed)
-        if len(found) < FEWEST:
-            return Verdict(math.nan, math.nan, len(found))
-        square = float((found * found).mean())
-        if square == 0.0:  # what is read and what is expected lie at the same end of a range
-            return Verdict(0.0, math.nan, len(found))
-        return Verdict(square, float((found[1:] * found[:-1]).mean()) / square, len(found))
+        if self._verdict is None:
+            self._verdict = _verdict(self._missed[WINDOW - self._readings :])
+        return self._verdict
+
+
+def _verdict(missed: NDArray[np.float64]) -> Verdict:
+    if len(missed) < FEWEST:
+        return Verdict(math.nan, math.nan, len(missed))
+    square = float((missed * missed).mean())
+    if square == 0.0:  # what is read and what is expected lie at the same end of a range
+        return Verdict(0.0, math.nan, len(missed))
+    return Verdict(square, float((missed[1:] * missed[:-1]).mean()) / square, len(missed))

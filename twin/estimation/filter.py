@@ -74,7 +74,7 @@ class Filter:
         self._noise = np.array([*settings.noises().values()])
         self._noisy = np.array([WHERE[name] for name in settings.noises()])
         self._card, self.sensors = card, Sensors(card, settings, circuit.parts.step)
-        self._watched = np.array([name not in settings.without for name in CHANNELS])
+        self._watched = [name not in settings.without for name in CHANNELS]
         self.unknowns = Unknowns(circuit.parts, self.names, n)
         self.z = np.zeros((n, len(self.names)))
         self._room = np.zeros((n + 1, BLOCK)), np.zeros(n), np.zeros((n, n)), np.zeros((n, n))
@@ -116,20 +116,20 @@ class Filter:
         """Take a scan at the instant reached; it counts at the next correction."""
         assert self.members is not None
         predicted = self.sensors.predicted(self.members.taps, self.unknowns.offsets)
-        found = np.array([readings[name] for name in CHANNELS])
-        mean, spread = predicted.mean(axis=0), predicted.var(axis=0, ddof=1)
-        deviation = np.sqrt(spread + self.sensors.variance)
-        variance = self.sensors.variance.copy()
-        far = (np.abs(found - mean) > GATE * deviation)[self._watched]
-        alone = self.standing == Standing.FOLLOWING and int(np.count_nonzero(far)) < 2  # else the model may be wrong
+        found, variance = [readings[name] for name in CHANNELS], self.sensors.variance.tolist()
+        mean = predicted.mean(axis=0)
+        spread = ((predicted - mean) ** 2).sum(axis=0) / (len(predicted) - 1)
+        deviation = np.sqrt(spread + self.sensors.variance).tolist()
+        away = [x - m for x, m in zip(found, mean.tolist(), strict=True)]
+        off = [watched and abs(e) > GATE * s for e, s, watched in zip(away, deviation, self._watched, strict=True)]
+        alone = self.standing == Standing.FOLLOWING and sum(off) < 2  # else the model may be wrong
         for j, (name, watch) in enumerate(self.watches.items()):
-            away = (found[j] - mean[j]) / deviation[j]
-            more = watch.look(found[j], away, alone) if name not in self.settings.without else math.nan
-            self._last[name] = found[j] - mean[j], deviation[j]
+            more = watch.look(found[j], away[j] / deviation[j], alone) if self._watched[j] else math.nan
+            self._last[name] = away[j], deviation[j]
             variance[j] += more * deviation[j] ** 2
             if math.isnan(more):
                 found[j] = variance[j] = math.nan
-        self._scans.append((predicted.T.copy(), found, variance))
+        self._scans.append((predicted.T.copy(), np.array(found), np.array(variance)))
 
     def correct(self) -> None:
         """Use the scans since the last correction."""
