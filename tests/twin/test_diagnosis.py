@@ -115,9 +115,10 @@ def test_the_size_is_the_estimates_where_it_agrees(said):
 
 
 def test_what_the_estimate_alone_suspects_is_no_alarm(said):
-    """The baseline explains what is read as it did."""
-    Contest.ranked = CLEAR._replace(nothing=1.0, without=0.6, shots=16)
-    assert set(verdicts(said(10, 2.0, 0.6))) == {Verdict.HEALTHY}
+    """The baseline explains what is read as it did, whatever would explain still more."""
+    for nothing in (1.0, SURE):
+        Contest.ranked = CLEAR._replace(nothing=nothing, without=0.6, shots=16)
+        assert set(verdicts(said(10, 2.0, 0.6))) == {Verdict.HEALTHY}
 
 
 def test_an_alarm_has_no_name_before_it_is_clear(said):

@@ -188,6 +188,35 @@ def test_an_estimate_that_has_just_begun_is_no_baseline():
     assert found.baseline.mean == pytest.approx(np.zeros(3), abs=1e-4)
 
 
+def learned(found: Judge, moves: np.ndarray, rng: np.random.Generator) -> list[Verdict]:
+    """Verdicts while the leakage moves so, by a judge whose suspicions nothing else bears out."""
+    said = []
+    for k, moved in enumerate(moves, 1000):
+        z = np.array([moved, 0.0, 0.0]) + [0.05, 0.01, 0.01] * rng.normal(size=3)
+        health = look(found, float(k), z, SURE)
+        if health is not None and health.verdict >= Verdict.HEALTHY:
+            found.learn(True)
+            said.append(health.verdict)
+    return said
+
+
+def test_a_rig_in_order_is_learned_with_how_it_wanders():
+    """A wander of 1.5 within minutes is suspected for ever by a baseline of 12 looks, and not by one that learns."""
+    wander = 1.5 * np.sin(np.arange(2000) / 30.0)
+    rng, rules = np.random.default_rng(13), EXACT._replace(commissioning=12, resting=0, doubt=60, learning=800)
+    for learning, least, most in ((12, 200, 2000), (800, 0, 0)):
+        found = judge(rules._replace(learning=learning), rng, SURE, np.array([0.05, 0.01, 0.01]))
+        late = learned(found, wander, rng)[1000:]
+        assert least <= sum(verdict > Verdict.HEALTHY for verdict in late) <= most
+
+
+def test_what_drifts_is_suspected_before_it_is_learned():
+    """By 0.01 in each look: seven deviations of a look when the first of it would count."""
+    rng, rules = np.random.default_rng(14), EXACT._replace(commissioning=60, doubt=60)
+    found = judge(rules, rng, SURE, np.array([0.05, 0.01, 0.01]))
+    assert Verdict.FAULT in learned(found, 0.01 * np.arange(60), rng)
+
+
 def test_a_baseline_is_what_its_windows_scatter_about():
     looks = np.random.default_rng(9).normal([1.0, 2.0], [0.1, 0.3], (4000, 2))
     found = baseline_of(looks, 1)

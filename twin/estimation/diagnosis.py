@@ -3,9 +3,9 @@
 The judge (twin/estimation/health.py) suspects a fault as seldom as is asked for. Which fault it is is not left to the
 unknowns of one estimate, which go over from one to another while a fault is new, and for long where the model of the
 rig is not exact: from then on twins of the baseline with one number changed run beside the rig
-(twin/estimation/contest.py). It is an alarm once one of them is a hundred times as likely as the baseline, or the
-baseline leaves five times what it did. The first that is a hundred times as likely as any other, and as
-none, is named.
+(twin/estimation/contest.py). It is an alarm once the baseline leaves more than it did in order and one of them is a
+hundred times as likely, or once it leaves five times as much. The first that is a hundred times as likely as any other,
+and as none, is named. What is in order the judge learns.
 """
 
 import math
@@ -83,6 +83,8 @@ class Diagnosis:
         if health is None:
             return None
         self.latest = self._isolated(health)
+        if health.verdict >= Verdict.HEALTHY:
+            self.judge.learn(self.latest.verdict is Verdict.HEALTHY)
         return self.latest
 
     def _turn(self, known: Knowledge) -> None:
@@ -151,7 +153,7 @@ class Diagnosis:
         if contest.shots < rules.shots:
             return
         found = contest.ranking()
-        told = found.nothing >= rules.certain
+        told = found.nothing >= rules.certain and found.without > rules.explained
         self._confirmed = self._confirmed or told or found.without > rules.strange
         likely = tuple(name for name, behind in found.behind.items() if behind < rules.certain)
         ended = contest.shots >= rules.most_shots

@@ -1,12 +1,14 @@
 """Which single fault explains how the unknowns of an estimate have left their baseline, if any does.
 
-The unknowns z of a healthy rig stay about a baseline, which is what they are while the rig is commissioned. Each `look`
-gives their mean since the last one; x is the median of the looks of a `window`, less the baseline. Its covariance is
+The unknowns z of a healthy rig stay about a baseline, which is what they are while the rig is commissioned, and in the
+`learning` after it as long as nothing is suspected: a look counts for the baseline once nothing has been for `doubt`
+looks after it, so that what drifts is seen before it is learned. Each `look` gives the mean of z since the last one; x
+is the median of the looks of a `window`, less the baseline. Its covariance is
 
     S = P + (1 + 1/n) C + H
 
-with P what the estimate says of itself, C the scatter of the windows of the commissioning, n of them, which holds what
-no filter knows of itself (errors of its model that come and go with the motion), and H what a healthy rig may wander
+with P what the estimate says of itself, C the scatter of the n windows that the baseline is of, which holds what no
+filter knows of itself (errors of its model that come and go with the motion), and H what a healthy rig may wander
 by. A hypothesis says that x = s a + an error of covariance S, along its axis a. With w = W a, W the inverse of S
 without what C says off its diagonal (of few windows it cannot be inverted), the most likely size is s = w'x/w'a, and
 
@@ -48,12 +50,14 @@ class Rules(NamedTuple):
     look: float = 0.5  # [s]
     window: int = 4  # looks; whole cycles of the motion, for what comes and goes with it
     commissioning: int = 60  # looks; 15 windows
+    learning: int = 1200  # looks that the baseline is of, in the end
+    doubt: int = 240  # looks
     persistence: int = 3  # looks
     resting: int = 20  # looks after the estimate has begun, or was lost, until it has come to rest
     margin: float = 2.0 * math.log(100.0)  # of twice the log likelihood; a hundred times as likely as the next
     healthy: float = 0.1  # what a healthy rig wanders by, as a share of the deviations of the unknowns at the start
     strange: float = 5.0  # mean square that the baseline leaves, in order 1, which is an alarm without a name
-    explained: float = 1.5  # mean square of whitened innovations up to which sizes are believed; 1 for a right model
+    explained: float = 1.5  # mean square, in order 1, that leaves nothing to be explained
     shots: int = 4  # of half a second, before twins may name a fault
     most_shots: int = 16  # after which what is still likely is said
     again: float = 20.0  # [s], after which a fault that lasts is looked at anew
@@ -122,7 +126,7 @@ class Baseline(NamedTuple):
 
 def baseline_of(looks: Array, window: int) -> Baseline:
     """Of the means of looks, one row each."""
-    whole = np.array([np.median(looks[k : k + window], axis=0) for k in range(len(looks) - window + 1)])
+    whole = np.median(np.lib.stride_tricks.sliding_window_view(looks, window, axis=0), axis=-1)
     mean, n = whole.mean(axis=0), len(looks) / window
     away = whole - mean
     return Baseline(mean, (1.0 + 1.0 / n) * (n / (n - 1.0)) * (away.T @ away) / len(whole), n)
@@ -147,7 +151,9 @@ class Judge:
     def forget(self) -> None:
         """Commission again."""
         self.baseline: Baseline | None = None
-        self._looks: deque[Array] = deque(maxlen=self.rules.commissioning)
+        self._looks: deque[Array] = deque(maxlen=self.rules.window)
+        self._learned: list[Array] = []  # looks
+        self._doubtful: deque[Array] = deque()  # looks that may yet be learned
         self._covariances: deque[Array] = deque(maxlen=self.rules.window)
         self._alarm, self._against, self._since = False, 0, math.nan
         self._rests = self.rules.resting  # looks that are still waited for
@@ -169,15 +175,24 @@ class Judge:
         self._begin(known.stamp)
         return self.latest
 
+    def learn(self, in_order: bool) -> None:
+        """Was the rig in order in the newest look? One that was counts for the baseline if those after it are, too."""
+        if not in_order:
+            self._doubtful.clear()
+        elif self._looks and self.baseline is not None and len(self._learned) < self.rules.learning:
+            self._doubtful.append(self._looks[-1])
+            if len(self._doubtful) > self.rules.doubt:
+                self._learned.append(self._doubtful.popleft())
+                self.baseline = baseline_of(np.array(self._learned), self.rules.window)
+
     def _begin(self, stamp: float) -> None:
         self._begun, self._followed, self._count, self._explained = stamp, True, 0, False
         self._sum, self._spread = np.zeros(len(self.names)), np.zeros((len(self.names),) * 2)
 
     def _look(self, stamp: float) -> Health:
         if not self._followed:
-            self._covariances.clear()  # what came before says nothing of what comes after
-            if self.baseline is not None:
-                self._looks.clear()
+            for kept in (self._looks, self._covariances, self._doubtful):  # of before they say nothing of what comes
+                kept.clear()
             self._rests = self.rules.resting
             self._alarm, self._against = False, 0
             return Health(stamp, Verdict.NOT_KNOWN, (), math.nan, math.nan, {})
@@ -187,18 +202,19 @@ class Judge:
         self._looks.append(self._sum / self._count)
         self._covariances.append(self._spread / self._count)
         if self.baseline is None:
-            if len(self._looks) == self.rules.commissioning:
-                self.baseline = baseline_of(np.array(self._looks), self.rules.window)
+            self._learned.append(self._looks[-1])
+            if len(self._learned) == self.rules.commissioning:
+                self.baseline = baseline_of(np.array(self._learned), self.rules.window)
                 self._looks.clear()
                 self._covariances.clear()
             return Health(stamp, Verdict.COMMISSIONING, (), math.nan, math.nan, {})
-        if len(self._covariances) < self.rules.window:
+        if len(self._looks) < self.rules.window:
             return Health(stamp, Verdict.NOT_KNOWN, (), math.nan, math.nan, {})
         return self._judged(stamp, self.findings(self.baseline))
 
     def findings(self, baseline: Baseline) -> dict[str, Finding]:
         """Of all hypotheses, over the window."""
-        x = np.median(np.array(self._looks)[-self.rules.window :], axis=0) - baseline.mean
+        x = np.median(np.array(self._looks), axis=0) - baseline.mean
         own = np.mean(np.array(self._covariances), axis=0)
         stated = own + np.diag((self.rules.healthy * self._start) ** 2)
         whole = stated + baseline.scatter
