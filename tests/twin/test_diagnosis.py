@@ -128,6 +128,16 @@ def test_an_alarm_has_no_name_before_it_is_clear(said):
     assert found[-1].suspects == ("leak_across", "friction")  # as far as the estimate has it
 
 
+def test_an_alarm_goes_on_until_the_twins_are_as_before_whatever_the_estimate_suspects(said):
+    """It has a name once they are clear."""
+    Contest.ranked = OPEN._replace(shots=8)
+    assert verdicts(said(8, 2.0, 9.0))[-1] is Verdict.ONE_OF
+    assert set(verdicts(said(6, 0.0, 9.0))) == {Verdict.ONE_OF}
+    Contest.ranked = CLEAR
+    assert verdicts(said(50, 0.0, 9.0))[-1] is Verdict.FAULT
+    assert verdicts(said(6, 0.0, 0.5))[-1] is Verdict.HEALTHY
+
+
 def test_no_fault_is_named_that_is_no_likelier_than_none(said):
     Contest.ranked = UNTOLD
     last = said(8, 2.0, 9.0)[-1]

@@ -125,17 +125,17 @@ class Diagnosis:
             self._drop()
             return health
         suspected = health.verdict > Verdict.HEALTHY
-        if suspected:
-            self._decide(health)
-        elif self._named is None or self._healed():
+        if not suspected and (not self._confirmed or self._healed()):
             self._drop()
             return health
+        if suspected or self._named is None:
+            self._decide(health)
         if not self._confirmed:
             return health._replace(verdict=Verdict.HEALTHY, suspects=(), confidence=math.nan, since=math.nan)
+        health = health if suspected else health._replace(since=self.latest.since)
         if self._named is None:
             return health._replace(verdict=Verdict.ONE_OF, suspects=_farthest(health.findings))
-        since = health.since if suspected else self.latest.since
-        return _with(self._named, health._replace(since=since), self._rules)
+        return _with(self._named, health, self._rules)
 
     def _drop(self) -> None:
         """Nothing is suspected any more."""
