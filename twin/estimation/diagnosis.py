@@ -45,6 +45,7 @@ class Diagnosis:
         self.latest = self.judge.latest
         self._estimate, self._rules = estimate, rules
         self._powers: deque[Array] = deque(maxlen=KEPT)  # by channel, mean squares of residuals in shots
+        self._ordinary: deque[float] = deque(maxlen=KEPT)  # J of the baseline in those shots
         self._least = np.array([*estimate.settings.model_errors().values()]) ** 2
         self.forget()
 
@@ -106,9 +107,13 @@ class Diagnosis:
 
     def _note(self, power: Array, there: NDArray[np.bool_]) -> None:
         """Of a shot of the baseline."""
-        if self.latest.verdict <= Verdict.HEALTHY:
+        in_order = self.latest.verdict <= Verdict.HEALTHY
+        if in_order:
             self._powers.append(np.where(there, power, np.nan))
-        self._recent.append(float((power / self._scales() ** 2)[there].mean()))
+        left = float((power / self._scales() ** 2)[there].mean())
+        self._recent.append(left)
+        if in_order:
+            self._ordinary.append(left)
 
     def _scales(self) -> Array:
         """Of a residual by channel: with the rig in order, and no less than the errors of the model."""
@@ -153,7 +158,7 @@ class Diagnosis:
         if contest.shots < rules.shots:
             return
         found = contest.ranking()
-        told = found.nothing >= rules.certain and found.without > rules.explained
+        told = found.nothing >= rules.certain and found.without > rules.explained * self._usual()
         self._confirmed = self._confirmed or told or found.without > rules.strange
         likely = tuple(name for name, behind in found.behind.items() if behind < rules.certain)
         ended = contest.shots >= rules.most_shots
@@ -162,6 +167,10 @@ class Diagnosis:
         if ended or (told and len(likely) == 1):
             self._named = Named(likely, found) if self._confirmed else None
             self._contest, self._rested = None, health.stamp
+
+    def _usual(self) -> float:
+        """J that the baseline leaves in order, or that of the errors of the model where that is less."""
+        return min(1.0, float(np.mean(self._ordinary))) if self._ordinary else 1.0
 
     def _healed(self) -> bool:
         return len(self._recent) == HEALED and float(np.mean(self._recent)) < self._rules.explained
