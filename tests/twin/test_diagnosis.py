@@ -115,16 +115,16 @@ def test_the_size_is_the_estimates_where_it_agrees(said):
 
 
 def test_what_the_estimate_alone_suspects_is_no_alarm(said):
-    """The baseline explains what is read as it did, whatever would explain still more."""
+    """The baseline explains what is read as it did, and what is likelier hardly better."""
     for nothing in (1.0, SURE):
-        Contest.ranked = CLEAR._replace(nothing=nothing, without=0.3, shots=16)
-        assert set(verdicts(said(10, 2.0, 0.5))) == {Verdict.HEALTHY}
+        Contest.ranked = CLEAR._replace(nothing=nothing, square=0.4, without=0.6, shots=16)
+        assert set(verdicts(said(10, 2.0, 0.6))) == {Verdict.HEALTHY}
 
 
-def test_what_is_small_beside_the_errors_of_a_model_may_be_much_beside_what_was_in_order(said):
-    """A residual of 0.5 errors in order, a mean square of 0.25: one of 0.6 is more than 1.5 times that."""
-    Contest.ranked = CLEAR._replace(without=0.6)
-    assert verdicts(said(6, 2.0, 0.8))[-1] is Verdict.FAULT
+def test_what_a_fault_explains_far_better_is_one_however_small(said):
+    """A drift that has just begun: residuals are as in order, and a third of that with it."""
+    Contest.ranked = CLEAR._replace(square=0.2, without=0.6)
+    assert verdicts(said(6, 2.0, 0.6))[-1] is Verdict.FAULT
 
 
 def test_an_alarm_has_no_name_before_it_is_clear(said):

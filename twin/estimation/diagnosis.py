@@ -3,9 +3,9 @@
 The judge (twin/estimation/health.py) suspects a fault as seldom as is asked for. Which fault it is is not left to the
 unknowns of one estimate, which go over from one to another while a fault is new, and for long where the model of the
 rig is not exact: from then on twins of the baseline with one number changed run beside the rig
-(twin/estimation/contest.py). It is an alarm once the baseline leaves more than it did in order and one of them is a
-hundred times as likely, or once it leaves five times as much. The first that is a hundred times as likely as any other,
-and as none, is named. What is in order the judge learns.
+(twin/estimation/contest.py). It is an alarm once one of them is a hundred times as likely as the baseline and the
+baseline leaves more than it did in order or twice what that fault leaves, or once it leaves five times what it did. The
+first that is a hundred times as likely as any other, and as none, is named. What is in order the judge learns.
 """
 
 import math
@@ -45,7 +45,6 @@ class Diagnosis:
         self.latest = self.judge.latest
         self._estimate, self._rules = estimate, rules
         self._powers: deque[Array] = deque(maxlen=KEPT)  # by channel, mean squares of residuals in shots
-        self._ordinary: deque[float] = deque(maxlen=KEPT)  # J of the baseline in those shots
         self._least = np.array([*estimate.settings.model_errors().values()]) ** 2
         self.forget()
 
@@ -107,13 +106,9 @@ class Diagnosis:
 
     def _note(self, power: Array, there: NDArray[np.bool_]) -> None:
         """Of a shot of the baseline."""
-        in_order = self.latest.verdict <= Verdict.HEALTHY
-        if in_order:
+        if self.latest.verdict <= Verdict.HEALTHY:
             self._powers.append(np.where(there, power, np.nan))
-        left = float((power / self._scales() ** 2)[there].mean())
-        self._recent.append(left)
-        if in_order:
-            self._ordinary.append(left)
+        self._recent.append(float((power / self._scales() ** 2)[there].mean()))
 
     def _scales(self) -> Array:
         """Of a residual by channel: with the rig in order, and no less than the errors of the model."""
@@ -158,7 +153,8 @@ class Diagnosis:
         if contest.shots < rules.shots:
             return
         found = contest.ranking()
-        told = found.nothing >= rules.certain and found.without > rules.explained * self._usual()
+        matters = found.without > rules.explained or found.without > rules.worth * found.square
+        told = found.nothing >= rules.certain and matters
         self._confirmed = self._confirmed or told or found.without > rules.strange
         likely = tuple(name for name, behind in found.behind.items() if behind < rules.certain)
         ended = contest.shots >= rules.most_shots
@@ -167,10 +163,6 @@ class Diagnosis:
         if ended or (told and len(likely) == 1):
             self._named = Named(likely, found) if self._confirmed else None
             self._contest, self._rested = None, health.stamp
-
-    def _usual(self) -> float:
-        """J that the baseline leaves in order, or that of the errors of the model where that is less."""
-        return min(1.0, float(np.mean(self._ordinary))) if self._ordinary else 1.0
 
     def _healed(self) -> bool:
         return len(self._recent) == HEALED and float(np.mean(self._recent)) < self._rules.explained

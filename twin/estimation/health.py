@@ -58,6 +58,7 @@ class Rules(NamedTuple):
     healthy: float = 0.1  # what a healthy rig wanders by, as a share of the deviations of the unknowns at the start
     strange: float = 5.0  # mean square that the baseline leaves, in order 1, which is an alarm without a name
     explained: float = 1.5  # mean square, in order 1, that leaves nothing to be explained
+    worth: float = 2.0  # times what a fault leaves, that the baseline leaves, if it leaves no more than in order
     shots: int = 4  # of half a second, before twins may name a fault
     most_shots: int = 16  # after which what is still likely is said
     again: float = 20.0  # [s], after which a fault that lasts is looked at anew
