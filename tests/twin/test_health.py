@@ -69,10 +69,7 @@ def test_false_alarms_come_as_often_as_is_asked_for(commissioning: int):
 
 def test_looks_that_hang_together_alarm_less_often():
     """Windows of four looks that forget within ten: fewer alarms than asked for, and not none."""
-    rng, rules = (
-        np.random.default_rng(2),
-        EXACT._replace(alarms_per_hour=300.0, commissioning=400),
-    )
+    rng, rules = np.random.default_rng(2), EXACT._replace(alarms_per_hour=300.0, commissioning=400, window=4)
     found, z, alarms, was = Judge(PRIORS, rules), np.zeros(3), 0, Verdict.COMMISSIONING
     for k in range(4000):
         z = 0.9 * z + math.sqrt(1.0 - 0.81) * rng.normal(size=3) * 0.02
@@ -203,7 +200,7 @@ def learned(found: Judge, moves: np.ndarray, rng: np.random.Generator) -> list[V
 def test_a_rig_in_order_is_learned_with_how_it_wanders():
     """A wander of 1.5 within minutes is suspected for ever by a baseline of 12 looks, and not by one that learns."""
     wander = 1.5 * np.sin(np.arange(2000) / 30.0)
-    rng, rules = np.random.default_rng(13), EXACT._replace(commissioning=12, resting=0, doubt=60, learning=800)
+    rng, rules = np.random.default_rng(13), EXACT._replace(commissioning=12, doubt=60)
     for learning, least, most in ((12, 200, 2000), (800, 0, 0)):
         found = judge(rules._replace(learning=learning), rng, SURE, np.array([0.05, 0.01, 0.01]))
         late = learned(found, wander, rng)[1000:]

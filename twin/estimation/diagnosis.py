@@ -178,9 +178,8 @@ def _with(named: Named, health: Health, rules: Rules) -> Health:
     found = named.ranking
     alone = len(named.suspects) == 1 and found.nothing >= rules.certain
     findings = dict(health.findings)
-    agreed = (
-        _farthest(findings)[0] if health.explained else ""
-    )  # where the estimate has followed, its size is the better
+    # where the estimate has followed, its size is the better
+    agreed = _farthest(findings)[0] if health.explained else ""
     for name, (size, deviation) in found.sizes.items():
         if name == agreed == named.suspects[0]:
             continue

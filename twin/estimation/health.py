@@ -1,9 +1,9 @@
 """Which single fault explains how the unknowns of an estimate have left their baseline, if any does.
 
 The unknowns z of a healthy rig stay about a baseline, which is what they are while the rig is commissioned, and in the
-`learning` after it as long as nothing is suspected: a look counts for the baseline once nothing has been for `doubt`
-looks after it, so that what drifts is seen before it is learned. Each `look` gives the mean of z since the last one; x
-is the median of the looks of a `window`, less the baseline. Its covariance is
+`learning` after it as long as it is said to be in order: a look counts for the baseline once the `doubt` looks after it
+have been in order, too, so that what drifts is seen before it is learned. Each `look` gives the mean of z since the
+last one; x is the median of the looks of a `window`, less the baseline. Its covariance is
 
     S = P + (1 + 1/n) C + H
 
