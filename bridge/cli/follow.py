@@ -106,7 +106,7 @@ def _refuse_few(members: int) -> None:
 
     if members < FEWEST:
         raise UsageError(
-            f"--members {members}: with --health at least {FEWEST}, two for each unknown; leave it out, or give more"
+            f"--members {members}: with --health at least {FEWEST}, for so many unknowns; leave it out, or give more"
         )
 
 

@@ -133,9 +133,10 @@ class FollowerSide:
     def _step(self, scan: Scan) -> Iterator[Outgoing]:
         if self._now < 0:
             self._join(scan.stamp)
-        gap = scan.stamp - self._now
+        if scan.stamp - self._now > LONGEST_GAP:
+            self.filter.forget()
         self._integrate(scan.stamp)
-        if self.filter.standing == Standing.WAITING or gap > LONGEST_GAP:
+        if self.filter.standing == Standing.WAITING:
             if self._knows_valve(scan.stamp):
                 self._begin(scan)
             return
@@ -227,6 +228,8 @@ class FollowerSide:
         for name in self._settings.without:
             if name not in CHANNELS:
                 raise UsageError(f"--without {name}: not a channel; there are {', '.join(CHANNELS)}")
+            if name == "position":
+                raise UsageError("--without position: an estimate begins with it; leave out others")
         if self._settings.every < 1:
             raise UsageError(f"--every {self._settings.every}: at least 1 scan")
 

@@ -24,10 +24,15 @@ UNKNOWN = Finding(float("nan"), float("nan"), float("nan"))
 
 
 def watching(settings: Settings) -> Settings:
-    """Settings that let the unknowns of faults go as far as faults take them, and members enough for them."""
+    """Settings that let the unknowns of faults go as far as faults take them, and members enough for them.
+
+    Velocity and pressures do not wander by themselves: a fault is a force or a flow that the model does not know, and
+    is to be seen in the unknowns.
+    """
     given = {name: Prior(*prior) for name, prior in WATCHED.items()}
     members = max(settings.members, FEWEST)
-    return settings._replace(unknowns=given | dict(settings.unknowns), members=members)
+    quiet = settings._replace(velocity_noise=0.0, pressure_noise=0.0)
+    return quiet._replace(unknowns=given | dict(settings.unknowns), members=members)
 
 
 class HealthSide:

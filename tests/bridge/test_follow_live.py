@@ -13,7 +13,7 @@ from bridge.wire.messages import ESTIMATE, HEALTH, INNOVATION
 from tests.support.processes import hydrotwin, listening, started, wait_for
 from twin.estimation.settings import Settings
 
-MEMBERS = 20
+MEMBERS = 24
 PATIENCE = ("--patience", "90")  # the first start compiles
 
 

@@ -69,10 +69,10 @@ def test_a_chamber_without_a_sensor_is_found_by_a_twin_of_another_rig():
 def test_the_same_scans_and_commands_make_the_same_bits_in_any_order():
     """Commands that come after the next scan, as on a network, and messages that come twice change nothing."""
     rec = run()
-    one, _ = estimates(rec, FollowerSide(nominal(), Settings(members=20)))
+    one, _ = estimates(rec, FollowerSide(nominal(), Settings(members=24)))
     late = sorted(rec.entries, key=lambda e: e.log_time + (e.topic == "command") * 3_500_000)
     entries = [entry for entry in late for _ in range(1 + (entry.topic == "measurement"))]
-    side, other = FollowerSide(nominal(), Settings(members=20)), []
+    side, other = FollowerSide(nominal(), Settings(members=24)), []
     for entry in entries:
         if entry.topic == "command":
             other += side.take(decode(entry.data, "command"))
@@ -89,7 +89,7 @@ def _bits(messages: list[Outgoing]) -> list[bytes]:
 def test_missing_scans_spikes_and_a_dead_sensor_are_survived():
     """From 0.5 s on p2 reads 60 bar; each tenth scan is lost, one position in fifty is wild."""
     rec = run()
-    side, last = FollowerSide(nominal(), Settings(members=20)), None
+    side, last = FollowerSide(nominal(), Settings(members=24)), None
     for entry in rec.entries:
         if entry.topic == "command":
             side.take(decode(entry.data, "command"))
@@ -110,9 +110,51 @@ def test_missing_scans_spikes_and_a_dead_sensor_are_survived():
     assert side.latest.standing == Standing.FOLLOWING
 
 
+def test_two_sensors_that_go_bad_one_after_the_other_are_both_left_out():
+    rec = run()
+    side, last = FollowerSide(nominal(), Settings()), None
+    for entry in rec.entries:
+        if entry.topic == "command":
+            side.take(decode(entry.data, "command"))
+        if entry.topic != "measurement":
+            continue
+        m = decode(entry.data, "measurement")
+        m.p2 += 40e5 if m.stamp > 0.5e9 else 0.0
+        m.p1 += 40e5 if m.stamp > 0.7e9 else 0.0
+        for out in side.hear(m):
+            last = out if out.topic == INNOVATION else last
+    assert last is not None
+    assert [Use(int(use)) for use in (last.message.p1_use, last.message.p2_use)] == [Use.OFF, Use.OFF]
+    assert side.latest is not None
+    assert side.latest.standing == Standing.FOLLOWING
+    true = truth(rec, np.array([round(side.latest.stamp * 1e9)]), "p_lower")[0]
+    assert side.latest.values["p_lower"] == pytest.approx(true, abs=0.5e5)
+
+
+def test_an_hour_without_a_scan_is_not_integrated(monkeypatch: pytest.MonkeyPatch):
+    """It ends an estimate: the next scan that has a position begins another."""
+    rec, side = run(), FollowerSide(nominal(), Settings())
+    through = [e for e in rec.entries if e.topic in ("command", "measurement") and e.log_time < 0.3e9]
+    for entry in through:
+        message = decode(entry.data, entry.topic)
+        side.take(message) if entry.topic == "command" else side.hear(message)
+    side.finish()
+    scan = decode(through[-1].data, through[-1].topic)
+    assert side.restarts == 0
+    steps = []
+    monkeypatch.setattr(side.filter, "advance", lambda reference, steps_: steps.append(steps_))
+    hour = 3600 * 10**9
+    for later, position in ((0, math.nan), (10**6, scan.position)):
+        scan.stamp, scan.tick, scan.position = hour + later, 3_600_000 + later // 10**6, position
+        side.hear(scan)
+        side.finish()
+        assert side.restarts == (0 if math.isnan(position) else 1)
+    assert not steps
+
+
 def test_it_says_that_it_does_not_know_when_nothing_is_read():
     rec = run()
-    side, spread = FollowerSide(nominal(), Settings(members=20)), []
+    side, spread = FollowerSide(nominal(), Settings(members=24)), []
     for entry in rec.entries:
         if entry.topic == "command":
             side.take(decode(entry.data, "command"))
@@ -130,7 +172,7 @@ def test_it_says_that_it_does_not_know_when_nothing_is_read():
 def test_it_joins_in_the_middle_and_after_a_restart_of_the_plant():
     rec = run()
     middle = [entry for entry in rec.entries if entry.log_time >= 0.4e9]
-    side = FollowerSide(nominal(), Settings(members=20))
+    side = FollowerSide(nominal(), Settings(members=24))
     _, found = estimates(recording(MEMORY, middle, {}), side)
     late = found["stamp"] > 0.8e9
     away = (found["p_upper"] - truth(rec, found["stamp"], "p_upper"))[late]
@@ -152,3 +194,5 @@ def test_what_is_to_happen_is_not_known_to_it():
 def test_an_unknown_channel_is_refused():
     with pytest.raises(UsageError, match="p9"):
         FollowerSide(nominal(), Settings(without=("p9",)))
+    with pytest.raises(UsageError, match="position"):
+        FollowerSide(nominal(), Settings(without=("position",)))

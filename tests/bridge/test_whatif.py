@@ -15,7 +15,7 @@ from bridge.scenario import load
 from twin.estimation.settings import Settings
 
 NOW, HORIZON = 700_000_000, 300_000_000  # [ns]
-SETTINGS = Settings(members=20)
+SETTINGS = Settings(members=24)
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from twin.cylinder import Chambers
 from twin.estimation.admissible import admit
 from twin.estimation.consistency import BAD, GOOD, STUCK, Watch, stated
 from twin.estimation.draws import Draws, exact
-from twin.estimation.filter import Filter
+from twin.estimation.filter import Filter, fewest
 from twin.estimation.quantities import UNKNOWNS, Use
 from twin.estimation.settings import Settings
 from twin.estimation.transform import BLOCK, apply, combine, fade
@@ -143,6 +143,17 @@ def test_deviates_are_exact_and_independent_of_what_is_there():
     assert_allclose(drawn @ (before - before.mean(axis=1, keepdims=True)).T, 0.0, atol=1e-10)
 
 
+def test_the_fewest_members_leave_each_draw_its_variance():
+    """Unknowns that are there, as many that drift, and the noises of the state, of which one fewer loses the last."""
+    noises, unknowns = 4, 13
+    assert fewest(Settings(position_noise=0.0), unknowns) == fewest(Settings(), unknowns) - 1
+    least = fewest(Settings(), unknowns)
+    for members, last in ((least, 1.0), (least - 1, 0.0)):
+        there, drawn = Draws(1, unknowns, members).at(0), Draws(1, unknowns + noises, members).at(1)
+        exact(there, drawn)
+        assert_allclose(drawn.var(axis=1, ddof=1), [1.0] * (unknowns + noises - 1) + [last], atol=1e-9)
+
+
 def test_members_have_their_own_numbers_and_the_rest_of_the_rig():
     names = ("leakage", "load_force")
     unknowns = Unknowns(CIRCUIT.parts, names, 2)
@@ -205,8 +216,18 @@ def test_a_channel_is_left_out_and_taken_again():
 
 def test_where_many_channels_are_far_away_the_model_is_wrong_and_all_are_used():
     watch = Watch(0.5, (0.0, 10.0))
-    assert not math.isnan(watch.look(5.0, 50.0, alone=False))
-    assert watch.use is Use.USED
+    for k in range(2 * BAD):
+        assert not math.isnan(watch.look(5.0 + 0.1 * k, 50.0, alone=False))
+        assert watch.use is Use.USED
+
+
+def test_a_channel_that_is_left_out_stays_so_when_another_goes_bad_or_readings_are_missing():
+    watch = Watch(0.5, (0.0, 10.0))
+    for k in range(BAD):
+        watch.look(5.0 + 0.1 * k, 50.0, alone=True)
+    for k in range(2 * GOOD):
+        assert math.isnan(watch.look(5.0 + 0.1 * k if k % 7 else math.nan, 50.0, alone=False))
+        assert watch.use is (Use.OFF if k % 7 else Use.MISSING)
 
 
 def test_a_channel_that_repeats_itself_is_stuck_except_at_the_end_of_its_range():

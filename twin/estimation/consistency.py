@@ -1,9 +1,10 @@
 """Is a sensor to be believed, and are the innovations what a right model makes: white and of variance 1?
 
 A reading that is more than `SUSPECT` deviations away counts less, by as much as makes it that far. Where one channel is
-farther away than `GATE` and no other is, the first such reading is left out, and so is a channel that stays so, until
-it has been back for a while; where several are, the model is wrong. A channel of a card with noise that repeats one
-value for `STUCK` scans is stuck; at the end of its range it may. All numbers are assumed.
+farther away than `GATE` and no other that is believed is, the first such reading is left out, and so is a channel that
+stays so, until it has been back for a while, whatever the others do; where several are, the model is wrong. A channel
+of a card with noise that repeats one value for `STUCK` scans is stuck; at the end of its range it may. All numbers are
+assumed.
 """
 
 import math
@@ -65,6 +66,7 @@ class Watch:
 
     def __init__(self, noise: float, ends: tuple[float, float]) -> None:
         self.use = Use.MISSING
+        self.left_out = False  # for longer than a reading, be it there or missing
         self._noisy = noise >= LEAST_NOISE
         self._ends = ends
         self._last, self._same, self._bad, self._good = math.nan, 0, 0, 0
@@ -74,7 +76,7 @@ class Watch:
     def look(self, reading: float, away: float, alone: bool) -> float:
         """How much of a reading's variance counts more than stated; NaN where it is left out.
 
-        away: the innovation over its deviation; alone: no other channel is as far away.
+        away: the innovation over its deviation; alone: no other channel that is believed is as far away.
         """
         self._same = self._same + 1 if reading == self._last else 0
         self._last = reading
@@ -83,15 +85,15 @@ class Watch:
             return math.nan
         inside = self._ends[0] < reading < self._ends[1]
         stuck = self._noisy and self._same >= STUCK and inside
-        far = alone and abs(away) > GATE
+        far = (alone or self.left_out) and abs(away) > GATE
         self._bad, self._good = (self._bad + 1, 0) if far else (0, self._good + 1)
-        was = self.use
         if stuck:
             self.use = Use.STUCK
-        elif self._bad >= BAD or (was in (Use.OFF, Use.STUCK) and self._good < GOOD):
+        elif self._bad >= BAD or (self.left_out and self._good < GOOD):
             self.use = Use.OFF
         else:
             self.use = Use.SPIKE if self._bad == 1 else Use.USED  # one alone is a spike; more may be the model's fault
+        self.left_out = self.use in (Use.OFF, Use.STUCK)
         if self.use != Use.USED:
             return math.nan
         return max(0.0, (away / SUSPECT) ** 2 - 1.0)

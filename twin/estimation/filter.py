@@ -68,7 +68,7 @@ class Filter:
         self.circuit, self.settings, self.seed = circuit, settings, seed
         self.priors = priors(circuit.parts, settings.unknowns)
         self.names = tuple(self.priors)
-        _refuse_few(settings.members, len(self.names))
+        _refuse_few(settings, len(self.names))
         n, self._lines = settings.members, compiled(circuit)
         self._beforehand, self._drift = np.array([*self.priors.values()]).reshape(-1, 2).T.copy()
         self._noise = np.array([*settings.noises().values()])
@@ -121,8 +121,9 @@ class Filter:
         spread = ((predicted - mean) ** 2).sum(axis=0) / (len(predicted) - 1)
         deviation = np.sqrt(spread + self.sensors.variance).tolist()
         away = [x - m for x, m in zip(found, mean.tolist(), strict=True)]
-        off = [watched and abs(e) > GATE * s for e, s, watched in zip(away, deviation, self._watched, strict=True)]
-        alone = self.standing == Standing.FOLLOWING and sum(off) < 2  # else the model may be wrong
+        asked = [here and not w.left_out for here, w in zip(self._watched, self.watches.values(), strict=True)]
+        far = [here and abs(e) > GATE * s for e, s, here in zip(away, deviation, asked, strict=True)]
+        alone = self.standing == Standing.FOLLOWING and sum(far) < 2  # else the model may be wrong
         for j, (name, watch) in enumerate(self.watches.items()):
             more = watch.look(found[j], away[j] / deviation[j], alone) if self._watched[j] else math.nan
             self._last[name] = away[j], deviation[j]
@@ -269,8 +270,9 @@ class Filter:
 
     def _judge(self) -> None:
         """Is it lost, or found again?"""
-        left_out = sum(watch.use in (Use.OFF, Use.STUCK) for name, watch in self.watches.items()
-                       if name not in self.settings.without)  # fmt: skip
+        left_out = sum(
+            here and watch.left_out for here, watch in zip(self._watched, self.watches.values(), strict=True)
+        )
         wrong = self._square > RESTLESS or self._blind > BLIND or 2 * left_out > len(CHANNELS)
         self._calm = min(0.0, self._calm) - self._since if wrong else max(0.0, self._calm) + self._since
         if self._calm < -LOST_AFTER or self._blind > BLIND:
@@ -329,6 +331,11 @@ def _spread(rows: Array, prior: Array, square: float) -> Array:
     return rows + (factor - 1.0) * (rows - mean)  # what all have in common stays to the bit
 
 
-def _refuse_few(members: int, unknowns: int) -> None:
-    if members < (least := 2 * unknowns + 2):
-        raise ValueError(f"{members} members for {unknowns} unknowns: at least {least}, or fewer unknowns")
+def fewest(settings: Settings, unknowns: int) -> int:
+    """Members, so that unknowns, their drifts and the noises of the state are independent of one another."""
+    return 2 * unknowns + sum(noise > 0.0 for noise in settings.noises().values()) + 1
+
+
+def _refuse_few(settings: Settings, unknowns: int) -> None:
+    if settings.members < (least := fewest(settings, unknowns)):
+        raise ValueError(f"{settings.members} members for {unknowns} unknowns: at least {least}, or fewer unknowns")
