@@ -5,7 +5,7 @@ meanwhile. Each card has its own noise. Disturbances of the future are not in it
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from bridge.loop.follower import FollowerSide
 from bridge.scenario import Scenario
 from bridge.scenario.tunable import CONTROLLER, in_si, tunable
 from bridge.wire.events import setting
+from bridge.wire.messages import EventKind, SafetyState
 from controller.grid import NS, is_sample
 from controller.metrics import Signals
 from twin.sensors import NOISE_ROWS, noise_block
@@ -28,6 +29,21 @@ AT = [list(OBSERVED).index(name) for name in SEEN]
 NOISE_SEED = 77  # of the futures' cards, assumed
 
 
+class Change(NamedTuple):
+    """What the plant has said has changed, by somebody or by its timeline."""
+
+    text: str
+    entry: int  # of the timeline; 0: somebody has set it
+    apply_at: int  # [ns]
+
+
+class Past(NamedTuple):
+    """What the loop's controller knows by now."""
+
+    measurements: list[Any]  # the newest last
+    changes: list[Change]
+
+
 class Question(NamedTuple):
     """What is to be tried."""
 
@@ -35,30 +51,40 @@ class Question(NamedTuple):
     horizon: int  # [ns]
 
 
-def look_ahead(side: FollowerSide, scenario: Scenario, recent: Sequence[Any], question: Question) -> list[Signals]:
-    """The signals of each member's future; recent: measurements up to now, which a law may remember.
+def look_ahead(side: FollowerSide, scenario: Scenario, past: Past, question: Question) -> list[Signals]:
+    """The signals of each member's future.
 
-    Raises UsageError where there is no estimate yet, or the law needs what no estimate has.
+    Raises UsageError where there is no estimate yet, commands do not act, or the law needs what no estimate has.
     """
+    if side.state in (SafetyState.SAFE, SafetyState.LATCHED):
+        raise UsageError(f"what if: the plant is {side.state}, so no command acts; ask again when it is running")
     if side.filter.members is None or side.latest is None:
         raise UsageError("what if: there is no estimate yet to go on from")
     if scenario.controller.sees_truth or scenario.controller.reads_channels:
         raise UsageError("what if: the law reads the true state or further channels, which an estimate does not have")
-    controllers = [_controller(scenario, recent, question, side.now) for _ in range(len(side.filter.z))]
+    controllers = [_controller(scenario, past, question, side.now) for _ in range(len(side.filter.z))]
     return _Futures(side, controllers).run(question.horizon)
 
 
-def _controller(scenario: Scenario, recent: Sequence[Any], question: Question, now: int) -> ControllerSide:
-    """A controller that has seen what came, and is told of the changes now."""
+def _controller(scenario: Scenario, past: Past, question: Question, now: int) -> ControllerSide:
+    """A controller that has seen what came before now, and is told of the changes now."""
     controller = ControllerSide(scenario, 0)
-    for measurement in recent:
-        controller.answer(measurement)
+    for change in past.changes:
+        controller.learn(*change)
+    for measurement in past.measurements:
+        if measurement.stamp < now:
+            controller.answer(measurement)
     for name, value in question.changes.items():
         entry = tunable(name, scenario)
         if entry.owner != CONTROLLER:
             raise ScenarioError(f"{name}: only numbers of the controller and the reference can be tried")
         controller.learn(setting(name, in_si(value, entry, scenario)), 0, now + 1)
     return controller
+
+
+def changes_of(event: Any) -> list[Change]:
+    """What an event of the plant says has changed, if anything."""
+    return [Change(event.text, event.command, event.apply_at)] if event.kind == EventKind.CHANGED else []
 
 
 class _Futures:
@@ -94,10 +120,10 @@ class _Futures:
 
     def _answer(self, now: int) -> None:
         """Let each controller answer what its card reads."""
-        answers = np.zeros(len(self._controllers))
+        answers, limit = np.zeros(len(self._controllers)), min(1.0, self._side.limit)
         for m, (controller, row) in enumerate(zip(self._controllers, self._read(now).tolist(), strict=True)):
             spool, _ = controller.decide(sample_of(now, dict(zip(CHANNELS, row, strict=True))))
-            answers[m] = min(max(spool, -1.0), 1.0) if math.isfinite(spool) else 0.0
+            answers[m] = min(max(spool, -limit), limit) if math.isfinite(spool) else 0.0
         self._pending.append((now + self._grid.delay, answers))
 
     def _read(self, now: int) -> Array:

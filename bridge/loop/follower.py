@@ -18,7 +18,7 @@ from bridge.wire.codec import Estimate as EstimateMessage
 from bridge.wire.codec import Health as HealthMessage
 from bridge.wire.codec import Innovation as InnovationMessage
 from bridge.wire.estimates import DEVIATION, OF_UNKNOWN
-from bridge.wire.messages import ALARMING, COMING, ESTIMATE, HEALTH, INNOVATION, EventKind, Outgoing
+from bridge.wire.messages import ALARMING, COMING, ESTIMATE, HEALTH, INNOVATION, EventKind, Outgoing, SafetyState
 from controller.grid import NS, last_due
 from controller.hold import Hold
 from twin.estimation.filter import Estimate, Filter
@@ -74,6 +74,16 @@ class FollowerSide:
     def now(self) -> int:
         """Simulated time reached [ns]; -1 before the first scan."""
         return self._now
+
+    @property
+    def state(self) -> SafetyState:
+        """How far the plant trusts its loop, as of the instant reached."""
+        return self._inlet.state
+
+    @property
+    def limit(self) -> float:
+        """How far commands act, of the spool's travel."""
+        return self._inlet.limit
 
     def held(self) -> Hold:
         """What the valve is told, and what is to follow, as of the instant reached."""

@@ -14,7 +14,7 @@ from bridge.loop.safety import Gaps, Gate, Objection, Watchdog
 from bridge.loop.safety_states import SafetyStates
 from bridge.scenario import Scenario
 from bridge.scenario.safety import planned, value_in_words
-from bridge.wire.events import absence, reason_of, refusal
+from bridge.wire.events import NO_MORE_TOLD, absence, reason_of, refusal
 from bridge.wire.messages import EventKind, Reason, SafetyState
 from controller.grid import NS, next_sample, to_ns
 from controller.hold import Hold, Segment
@@ -70,6 +70,11 @@ class Inlet:
     def safe(self) -> bool:
         """Do commands not act, since the plant is in its safe state?"""
         return self._states.safe
+
+    @property
+    def limit(self) -> float:
+        """How far commands act, of the spool's travel; 1 and more: as they are."""
+        return self._limit if self.state == SafetyState.DEGRADED else 1.0
 
     @property
     def latched(self) -> bool:
@@ -245,9 +250,7 @@ class Inlet:
         return Reason.STALE, f"answer to a sample of {behind:g} s ago, longer than the time-out of {timeout:g} s"
 
     def _limited(self, value: float) -> float:
-        if self._limit < 1.0 and self.state == SafetyState.DEGRADED:
-            return max(-self._limit, min(self._limit, value))
-        return value
+        return value if (limit := self.limit) >= 1.0 else max(-limit, min(limit, value))
 
     def _watch(self, begin: int, end: int) -> None:
         if self.safe and not self._awaited:
@@ -298,6 +301,6 @@ class Inlet:
         if count > EVENTS_PER_REASON or (reason == Reason.ALARM and self._kept_out):
             return False
         self._kept_out = reason == Reason.ALARM
-        last = "; more of these are only counted" if count == EVENTS_PER_REASON or self._kept_out else ""
+        last = NO_MORE_TOLD if count == EVENTS_PER_REASON or self._kept_out else ""
         self.note(EventKind.REFUSED, refusal(reason, f"{text}{last}"), source, sequence, apply_at)
         return True

@@ -6,6 +6,7 @@ from collections import deque
 from typing import Any, NamedTuple
 
 from bridge.errors import RunError
+from bridge.loop.ahead import Change, Past, changes_of
 from bridge.loop.follower import FollowerSide
 from bridge.machine.process import Stop
 from bridge.scenario import Scenario, changed
@@ -28,7 +29,7 @@ class Heard(NamedTuple):
 
     side: FollowerSide
     scenario: Scenario  # as the plant says it
-    recent: list[Any]  # measurements
+    past: Past  # measurements the newest `REMEMBERED`
 
 
 def listen(rig: str, link: Link, seconds: float, settings: Settings) -> Heard:
@@ -43,8 +44,10 @@ def listen(rig: str, link: Link, seconds: float, settings: Settings) -> Heard:
         told = bus.ask("scenario", link.patience, listening)
         if told is None:
             raise RunError(f"no plant of rig {rig!r} answers: start one first, or name its address with --connect")
-        scenario = changed(parsed_json(told)["scenario"], [], f"the scenario of rig {rig!r}")
+        answer = parsed_json(told)
+        scenario = changed(answer["scenario"], [], f"the scenario of rig {rig!r}")
         side, recent = FollowerSide(scenario, settings), deque(maxlen=REMEMBERED)
+        changes = [Change(c["text"], int(c["command"]), int(c["apply_at"])) for c in answer.get("changed", [])]
         for topic in HEARD:
             bus.subscribe(topic, lambda sample, topic=topic: inbox.put((topic, sample.payload.to_bytes())))
         deadline, begun = time.monotonic() + link.patience + SLOWEST * LONGEST * seconds, -1
@@ -53,7 +56,7 @@ def listen(rig: str, link: Link, seconds: float, settings: Settings) -> Heard:
                 topic, payload = inbox.get(timeout=0.1)
             except queue.Empty:
                 continue
-            begun = _take(side, topic, payload, recent, begun)
+            begun = _take(side, topic, payload, recent, changes, begun)
             if begun >= 0 and heard_enough(side, (side.now - begun) / NS, seconds):
                 break
     if not known(side):
@@ -61,7 +64,7 @@ def listen(rig: str, link: Link, seconds: float, settings: Settings) -> Heard:
             f"rig {rig!r}: after {max(0, side.now - begun) / NS:.3g} s it is not known well enough; listen longer with "
             "--listen-for, or see what `hydrotwin follow` says"
         )
-    return Heard(side, scenario, list(recent))
+    return Heard(side, scenario, Past(list(recent), changes))
 
 
 def known(side: FollowerSide) -> bool:
@@ -74,7 +77,7 @@ def heard_enough(side: FollowerSide, passed: float, seconds: float) -> bool:
     return passed >= (seconds if known(side) else LONGEST * seconds)
 
 
-def _take(side: FollowerSide, topic: str, payload: bytes, recent: deque[Any], begun: int) -> int:
+def _take(side: FollowerSide, topic: str, payload: bytes, recent: deque[Any], changes: list[Change], begun: int) -> int:
     """When the first measurement was taken [ns], -1 before it."""
     try:
         message = decode(payload, topic)
@@ -84,6 +87,7 @@ def _take(side: FollowerSide, topic: str, payload: bytes, recent: deque[Any], be
         side.take(message)
     elif topic == "event":
         side.heed(message)
+        changes += changes_of(message)
     else:
         recent.append(message)
         side.hear(message)

@@ -9,15 +9,15 @@ refuses by itself what comes twice or too late: there every command is handed in
 """
 
 import json
-from bisect import bisect_left
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from bridge.recording.reader import Recording
+from bridge.recording.unheard import refused, unheard
 from bridge.replay.stamps import stamp_in
 from bridge.scenario import Scenario
 from bridge.scenario.faults import LINKS
-from bridge.wire.events import injected, is_injection, is_setting, missed_by, setting_of, silent_since, withdrawn
+from bridge.wire.events import injected, is_injection, is_setting, setting_of, withdrawn
 from bridge.wire.messages import EventKind
 from controller.grid import Sampling, to_ns
 
@@ -49,7 +49,7 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     events, grid = recording.messages("event"), scenario.loop.grid()
     commands = recording.messages("command")
     linked = _has_bad_link(events, scenario)
-    unheard = _unheard(events, commands, linked)
+    left_out = unheard(events, commands) | (set() if linked else refused(events))
     known = {(e.source, e.command): e.stamp - grid.daq for e in events if e.kind == EventKind.RESUMED}
     known |= {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
     heard = _heard_late(recording)
@@ -58,7 +58,7 @@ def schedule(recording: Recording, scenario: Scenario) -> list[Input]:
     reached: dict[int, int] = {}  # source -> instant of its last command: they keep their order
     for command in commands:
         name = command.source, command.sequence
-        if name in unheard:
+        if name in left_out:
             continue
         instant = max(known.get(name, _in_time(command, latches, grid)), heard.get(command.sample_stamp, 0))
         reached[command.source] = instant = max(instant, reached.get(command.source, 0))
@@ -94,18 +94,6 @@ def _heard_late(recording: Recording) -> dict[int, int]:
         if stamp != instant:
             found[stamp] = min(instant, found.get(stamp, instant))
     return found
-
-
-def _unheard(events: list[Any], commands: list[Any], linked: bool) -> set[tuple[int, int]]:
-    """Source and sequence of the commands that the plant refused, but over a bad link, or that never came to it."""
-    unheard = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED and not linked}
-    missed = [event for event in events if event.kind == EventKind.MISSED]
-    for event in (event for event in missed if event.source):
-        sent = sorted(command.sequence for command in commands if command.source == event.source)
-        gap = missed_by(event)
-        unheard |= {(event.source, n) for n in sent[bisect_left(sent, gap.start) : bisect_left(sent, gap.stop)]}
-    ends = [silent_since(event) for event in missed if not event.source]
-    return unheard | {(c.source, c.sequence) for c in commands if any(c.sample_stamp >= end for end in ends)}
 
 
 def _in_time(command: Any, latches: list[Latch], grid: Sampling) -> int:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.errors import UsageError
-from bridge.loop.ahead import Question, look_ahead
+from bridge.loop.ahead import Past, Question, changes_of, look_ahead
 from bridge.loop.follower import FollowerSide
 from bridge.processes.listening import Heard
 from bridge.recording.columns import sine_of
@@ -60,7 +60,7 @@ def from_file(path: Path, at: int | None, settings: Settings) -> Heard:
     """The estimate of a recording at a time [ns], None for its end. Raises UsageError where there is none."""
     recording = read(path)
     scenario = recording.scenario()
-    side, recent = FollowerSide(scenario, settings), []
+    side, past = FollowerSide(scenario, settings), Past([], [])
     entries = sorted(
         (entry for entry in recording.entries if entry.topic in ORDER and (at is None or entry.log_time <= at)),
         key=lambda entry: (entry.log_time, ORDER[entry.topic]),
@@ -71,21 +71,22 @@ def from_file(path: Path, at: int | None, settings: Settings) -> Heard:
             side.take(message)
         elif entry.topic == "event":
             side.heed(message)
+            past.changes.extend(changes_of(message))
         else:
             side.hear(message)
-            recent.append(message)
+            past.measurements.append(message)
     side.finish()
     if side.latest is None:
         raise UsageError(f"{path}: no measurement by then that says where the piston is")
-    return Heard(side, scenario, recent)
+    return Heard(side, scenario, past)
 
 
 def what_if(heard: Heard, changes: Mapping[str, Any], horizon: int, bands: Sequence[str], risk: float) -> Verdict:
     """The futures under some changes, judged. Raises UsageError, ScenarioError."""
     parsed = [_band(text) for text in bands]
     before = time.perf_counter()
-    recent = [m for m in heard.recent if m.stamp >= heard.side.now - MEMORY]
-    futures = look_ahead(heard.side, heard.scenario, recent, Question(changes, horizon))
+    recent = [m for m in heard.past.measurements if m.stamp >= heard.side.now - MEMORY]
+    futures = look_ahead(heard.side, heard.scenario, Past(recent, heard.past.changes), Question(changes, horizon))
     with np.errstate(invalid="ignore"):
         found = [measure(signals, frequency=sine_of(heard.scenario), moved=True) for signals in futures]
     for text, band in zip(bands, parsed, strict=True):

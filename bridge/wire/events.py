@@ -11,6 +11,14 @@ def refusal(reason: Reason, text: str) -> str:
     return f"{reason}: {text}"
 
 
+NO_MORE_TOLD = "; more of these are only counted"
+
+
+def ends_telling(event: Any) -> bool:
+    """Is a `refused` event the last that is written, though commands may be refused after it?"""
+    return event.kind == EventKind.REFUSED and event.text.endswith(NO_MORE_TOLD)
+
+
 def reason_of(event: Any) -> str:
     """The reason in a `refused` event."""
     return event.text.partition(":")[0]

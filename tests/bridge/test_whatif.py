@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bridge.errors import ScenarioError, UsageError
-from bridge.loop.ahead import Question, look_ahead
+from bridge.loop.ahead import Past, Question, look_ahead
 from bridge.recording.reader import Recording
 from bridge.recording.writer import save
 from bridge.replay.whatif import from_file, what_if
@@ -30,7 +30,7 @@ def test_what_comes_is_among_the_futures(recorded: tuple[Path, Recording]):
     path, rec = recorded
     heard = from_file(path, NOW, SETTINGS)
     before = heard.side.filter.members.states.copy() if heard.side.filter.members else None
-    futures = look_ahead(heard.side, heard.scenario, heard.recent, Question({}, HORIZON))
+    futures = look_ahead(heard.side, heard.scenario, heard.past, Question({}, HORIZON))
     state = rec.columns("state")
     true = state["position"][np.searchsorted(state["stamp"], np.round(futures[0].time * 1e9))]
     positions = np.array([signals.position for signals in futures])
@@ -45,7 +45,7 @@ def test_the_spread_of_the_futures_is_what_is_stated(recorded: tuple[Path, Recor
     """At its first instant: the deviation of the position as the estimate states it."""
     heard = from_file(recorded[0], NOW, SETTINGS)
     assert heard.side.latest is not None
-    futures = look_ahead(heard.side, heard.scenario, heard.recent, Question({}, 2_000_000))
+    futures = look_ahead(heard.side, heard.scenario, heard.past, Question({}, 2_000_000))
     spread = np.std([signals.position[0] for signals in futures], ddof=1)
     assert spread == pytest.approx(heard.side.latest.deviations["position"], rel=0.1)
 
@@ -82,3 +82,28 @@ def test_a_step_that_never_settles_breaks_its_band(tmp_path: Path):
     heard = from_file(save(rec, tmp_path / "a.mcap", "rig"), 950_000_000, SETTINGS)
     verdict = what_if(heard, {}, 100_000_000, ["settling time <= 1 s"], 0.05)
     assert [kept.kept for kept in verdict.bands] == [0]
+
+
+def test_the_futures_have_the_gain_that_the_run_has_come_to(tmp_path: Path):
+    """Five times the gain since the piston went past a place, which the scenario alone does not say."""
+    stiffer = '{set="controller.gain", when="position > 125 mm", to="1.85 V/%"}'
+    rec = run_in_memory(load("step", ["duration=1.5", "loop.delay=5 ms", f"timeline=[{stiffer}]"]))
+    heard = from_file(save(rec, tmp_path / "a.mcap", "rig"), 1_100_000_000, SETTINGS)
+    assert [change.text.partition(" ")[0] for change in heard.past.changes] == ["timeline"]
+    state = rec.columns("state")
+    apart = []
+    for past in (heard.past, Past(heard.past.measurements, [])):
+        futures = look_ahead(heard.side, heard.scenario, past, Question({}, HORIZON))
+        true = state["position"][np.searchsorted(state["stamp"], np.round(futures[0].time * 1e9))]
+        middle = np.median([signals.position for signals in futures], axis=0)
+        apart.append(float(np.sqrt(((middle - true) ** 2).mean())))
+    assert apart[0] < 0.2e-3
+    assert apart[0] < apart[1] / 5.0
+
+
+def test_of_a_plant_whose_valve_obeys_nobody_nothing_is_said(tmp_path: Path):
+    alarm = '{when="position > 125 mm", then="latched"}'
+    rec = run_in_memory(load("step", ["duration=1.5", f"alarm=[{alarm}]"]))
+    heard = from_file(save(rec, tmp_path / "a.mcap", "rig"), 1_300_000_000, SETTINGS)
+    with pytest.raises(UsageError, match="is latched, so no command acts"):
+        what_if(heard, {}, HORIZON, [], 0.05)

@@ -14,8 +14,10 @@ from bridge.recording.imported import facts, is_measured
 from bridge.recording.logs.map import COMMAND
 from bridge.recording.logs.sensors import Sensor
 from bridge.recording.reader import Recording
+from bridge.recording.unheard import refused, unheard
 from bridge.scenario import Scenario
 from bridge.scenario.channels import chosen
+from bridge.wire.events import ends_telling
 from bridge.wire.messages import CHANNELS_TOPIC, EventKind
 from controller.grid import NS, to_ns
 from twin.topology import CHANNELS
@@ -77,19 +79,24 @@ def _at_stamps(recording: Recording, grid: NDArray[np.int64], period: int) -> Fl
 
 
 def _in_force(recording: Recording, grid: NDArray[np.int64]) -> Floats:
-    """What acted at each instant: late commands from when they did, refused ones not, NaN in a safe state."""
+    """What acted at each instant: late commands from when they did, those not taken not, NaN where it is not known.
+
+    That is in a safe state, and once the plant has refused so many that it tells no more of them.
+    """
     events = recording.messages("event") if recording.counts.get("event") else []
+    commands = recording.messages(COMMAND)
     late = {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
-    refused = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED}
+    left_out = refused(events) | unheard(events, commands)
     acts: list[tuple[int, float]] = [(e.applied_at, np.nan) for e in events if e.kind == EventKind.SAFE]
-    for command in recording.messages(COMMAND):
+    for command in commands:
         name = command.source, command.sequence
-        if name not in refused:
+        if name not in left_out:
             acts.append((late.get(name, command.apply_at), command.spool))
     acts.sort(key=lambda act: act[0])
     instants, values = np.array([a for a, _ in acts], np.int64), np.array([v for _, v in acts], np.float64)
     last = np.searchsorted(instants, grid, side="right") - 1
-    return np.where(last < 0, CENTRED, values[np.maximum(last, 0)])
+    known = grid < min((e.stamp for e in events if ends_telling(e)), default=grid[-1] + 1)
+    return np.where(known, np.where(last < 0, CENTRED, values[np.maximum(last, 0)]), np.nan)
 
 
 def _of_log(recording: Recording, signals: Mapping[str, Floats]) -> dict[str, Sensor]:

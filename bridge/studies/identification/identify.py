@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.errors import UsageError
-from bridge.scenario import Scenario, check, load
+from bridge.scenario import Scenario, changed, check, load
 from bridge.studies.identification.alone import Ranked, ranked
 from bridge.studies.identification.data import Record, in_steps, only_moving, with_noise
 from bridge.studies.identification.fit import Fitted, Values, fit
@@ -138,7 +138,8 @@ def scenario_of(rig: str | None, changes: list[str], files: Sequence[str]) -> tu
     recorded = read(Path(files[0]), ()).scenario()
     if recorded.name not in names():
         raise UsageError(f"{files[0]} is of the scenario {recorded.name!r}, which is not built in: name it with --rig")
-    return recorded if not changes else load(recorded.name, changes), recorded.name
+    known = changed(recorded.model_dump(mode="json"), changes, files[0]) if changes else recorded
+    return known, recorded.name
 
 
 __all__ = ["Judged", "Task", "Wanted", "identify", "scenario_of"]

@@ -10,11 +10,13 @@ import numpy as np
 from bridge.errors import UsageError
 from bridge.recording.imported import is_measured
 from bridge.recording.reader import Recording, read
+from bridge.recording.unheard import refused, unheard
 from bridge.scenario import Scenario
 from bridge.scenario.channels import chosen
 from bridge.studies.identification.data import Array, Measured, Record
 from bridge.studies.identification.imported import LEAST, imported_record
 from bridge.studies.identification.noise import counted, stated
+from bridge.wire.events import ends_telling
 from bridge.wire.messages import CHANNELS_TOPIC, EventKind
 from controller.grid import NS
 from controller.hold import Hold
@@ -62,10 +64,18 @@ def _end(recording: Recording, scenario: Scenario, last: int) -> tuple[int, str]
     """Until when the rig is what it was at the start, and only commands act [ns]; why not to the end."""
     daq = scenario.loop.grid().daq
     for event in sorted(recording.messages("event"), key=lambda event: event.stamp):
-        if event.kind in OTHERWISE or (event.kind == EventKind.CHANGED and _of_plant(event.text)):
+        if why := _why(event):
             until = max(0, min(event.stamp, event.apply_at or event.stamp) - daq) // daq * daq
-            return until, f" until {until / NS:g} s, where something else than commands acts: {event.text}"
+            return until, f" until {until / NS:g} s, where {why}: {event.text}"
     return last, ""
+
+
+def _why(event: Any) -> str:
+    """Why commands do not say what acts after an event; "" where they do."""
+    if ends_telling(event):
+        return "it is no longer told which commands were refused"
+    other = event.kind in OTHERWISE or (event.kind == EventKind.CHANGED and _of_plant(event.text))
+    return "something else than commands acts" if other else ""
 
 
 def _of_plant(changed: str) -> bool:
@@ -90,12 +100,12 @@ def _stretches(recording: Recording, scenario: Scenario, count: int) -> tuple[St
 
 def _commands(recording: Recording) -> Iterator[tuple[int, float]]:
     """When each command that was taken acted [ns], and its spool reference, in the order in which they act."""
-    events = recording.messages("event")
+    events, commands = recording.messages("event"), recording.messages("command")
     late = {(e.source, e.command): e.applied_at for e in events if e.kind == EventKind.LATE}
-    unheard = {(e.source, e.command) for e in events if e.kind == EventKind.REFUSED}
-    for command in recording.messages("command"):
+    left_out = refused(events) | unheard(events, commands)
+    for command in commands:
         name = command.source, command.sequence
-        if name not in unheard:
+        if name not in left_out:
             yield late.get(name, command.apply_at), command.spool
 
 
