@@ -162,21 +162,25 @@ def whatif(
     """
     from bridge.cli.follow_printing import print_verdict
     from bridge.cli.options import nanoseconds
+    from bridge.cli.streams import said_when_interrupted
     from bridge.cli.tuning import pair
-    from bridge.replay.whatif import from_file, what_if
+    from bridge.replay.whatif import band_of, from_file, what_if
     from twin.estimation.settings import Settings
 
     ahead, settings, wanted = nanoseconds("horizon", horizon), Settings(members=members), dict(map(pair, changes or []))
-    if is_file(rig):
-        there(Path(rig))
-        heard = from_file(Path(rig), None if at is None else nanoseconds("at", at), settings)
-    else:
-        from bridge.processes.listening import listen
-        from bridge.wire.link import Link
+    for text in expect or []:
+        band_of(text)
+    with said_when_interrupted(lambda: "interrupted; nothing was changed"):
+        if is_file(rig):
+            there(Path(rig))
+            heard = from_file(Path(rig), None if at is None else nanoseconds("at", at), settings)
+        else:
+            from bridge.processes.listening import listen
+            from bridge.wire.link import Link
 
-        seconds = nanoseconds("listen-for", listen_for) / 1e9
-        heard = listen(rig, Link(None, connect, zenoh_config, patience), seconds, settings)
-    verdict = what_if(heard, wanted, ahead, expect or [], risk)
+            seconds = nanoseconds("listen-for", listen_for) / 1e9
+            heard = listen(rig, Link(None, connect, zenoh_config, patience), seconds, settings)
+        verdict = what_if(heard, wanted, ahead, expect or [], risk)
     if as_json:
         print_json(verdict.plain())
     else:

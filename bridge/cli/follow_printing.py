@@ -75,8 +75,7 @@ def print_verdict(verdict: Verdict) -> None:
         (METRICS[name].words, *(value_with_unit(name, spread[word]) for word in ("low", "median", "high")))
         for name, spread in verdict.metrics.items()
     ]
-    tried = ", ".join(f"{name} = {value}" for name, value in verdict.changes.items()) or "nothing changed"
-    print_table((tried, "5 %", "median", "95 %"), rows)
+    print_table((verdict.tried or "nothing changed", "5 %", "median", "95 %"), rows)
     for kept in verdict.bands:
         print(f"{kept.band}: kept in {kept.kept} of {kept.futures} futures")
     speed = verdict.horizon / verdict.took if verdict.took > 0.0 else 0.0

@@ -36,5 +36,9 @@ def status(
         return
     from bridge.cli.tables import print_table
 
-    rows = [(each.role, str(each.pid), each.phase, f"{each.time:.3f}", each.words) for each in found]
+    rows = [(each.role, str(each.pid), each.phase, _time(each.time), each.words) for each in found]
     print_table(("process", "pid", "phase", "t [s]", "says"), rows)
+
+
+def _time(seconds: float | None) -> str:
+    return "" if seconds is None else f"{seconds:.3f}"

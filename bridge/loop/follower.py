@@ -33,6 +33,7 @@ PATIENCE = 20_000_000  # of simulated time [ns]: later commands act late
 SILENCE = NS // 5  # without a command after joining [ns]
 RETRY = NS // 2  # after a beginning it may be lost for so long before it begins anew [ns]
 TIGHT = 1e18  # [Pa s/m^3], of a leak that is there and loses nothing
+HEEDED = (EventKind.RESET, EventKind.RESUMED, EventKind.SAFE, *ALARMING)
 LONGEST_GAP = 5 * NS  # without a scan; what was known before that is worth nothing
 
 
@@ -42,6 +43,14 @@ class Scan(NamedTuple):
     tick: int
     stamp: int  # [ns]
     readings: dict[str, float]  # by channel
+
+
+class Told(NamedTuple):
+    """What a plant says of itself."""
+
+    stamp: int  # [ns]
+    is_safe: bool  # commands do not act
+    spool: float  # reference in force
 
 
 class FollowerSide:
@@ -108,8 +117,13 @@ class FollowerSide:
 
     def heed(self, event: Any) -> None:
         """Take an event of the plant: its alarms and resets say what its valve is told."""
-        if event.run_id == self._run_id and event.kind in (EventKind.RESET, EventKind.SAFE, *ALARMING):
+        if event.run_id == self._run_id and event.kind in HEEDED:
             self._events.append(event)
+
+    def learn(self, told: Told) -> None:
+        """Take what the plant says of itself: only one that joined in the middle does not know what led there."""
+        if self._joined > 0 and told.stamp >= self._joined:
+            self._told = told
 
     def finish(self) -> list[Outgoing]:
         """The messages of what is still waited for: nothing more comes."""
@@ -130,10 +144,14 @@ class FollowerSide:
         """Give the plant's gate what it had by the instant reached."""
         while self._events and self._events[0].stamp <= self._now:
             event = self._events.pop(0)
-            if event.kind == EventKind.RESET:
+            if event.kind == EventKind.RESET or (event.kind == EventKind.RESUMED and self._inlet.believed):
                 self._inlet.reset(self._now)
-            else:
+            elif event.kind != EventKind.RESUMED:
                 self._inlet.turn(event.command, event.kind in COMING, self._now)
+        if self._told is not None and self._told.stamp <= self._now:
+            if self._inlet.believe(self._told.is_safe, self._told.spool, self._now):
+                self.filter.forget()  # so far commands were taken for what acts
+            self._told = None
         known = [c for c in self._commands if c.sample_stamp <= max(self._now, 0)]
         self._commands = [c for c in self._commands if c.sample_stamp > max(self._now, 0)]
         for command in known:
@@ -227,6 +245,7 @@ class FollowerSide:
         self._inlet = Inlet(self.scenario, run_id or 0)
         self._scans: list[Scan] = []
         self._events: list[Any] = []
+        self._told: Told | None = None
         kept = [] if run_id is None else [c for c in getattr(self, "_commands", []) if c.run_id == run_id]
         self._commands: list[Any] = kept
         self._now, self._newest, self._given_up, self._joined, self._begun, self._corrected = -1, -1, -1, -1, -1, -1

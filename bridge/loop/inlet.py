@@ -52,6 +52,7 @@ class Inlet:
         self._limit = scenario.safety.degraded_limit
         self._kept_out = False  # it is told that an alarm keeps commands out
         self._awaited = False  # no alarm keeps the plant safe any more: commands are due again
+        self._believed = False  # the plant itself said that it is safe
         self._first_due = next_sample(0, grid) + grid.delay  # of a controller that has not spoken yet [ns]
         self._gaps = Gaps()
         self._notes: list[Note] = []
@@ -70,6 +71,11 @@ class Inlet:
     def safe(self) -> bool:
         """Do commands not act, since the plant is in its safe state?"""
         return self._states.safe
+
+    @property
+    def believed(self) -> bool:
+        """Is it safe because the plant itself said so?"""
+        return self._believed
 
     @property
     def limit(self) -> float:
@@ -161,6 +167,24 @@ class Inlet:
             self.note(EventKind.RESET, "safe state left by reset")
             self._leave()
 
+    def believe(self, is_safe: bool, spool: float, now: int) -> bool:
+        """Take over from the plant itself that commands do not act [ns], and what does; is it news?
+
+        For one that has joined in the middle and has not heard what led there. It ends as the plant says.
+        """
+        if not is_safe:
+            if self._believed:
+                self.reset(now)
+            return False
+        news = not self.safe
+        if news:
+            self._gate.release(now)
+            self._states.trip(latched=True)
+            self._believed = True
+        if self._believed and self._hold.value != spool:
+            self._hold.put(now, spool)
+        return news
+
     def segments(self, begin: int, end: int) -> list[Segment]:
         """The values in force over [begin, end), the block that is integrated now."""
         self._watch(begin, end)
@@ -224,7 +248,7 @@ class Inlet:
 
     def _leave(self) -> None:
         """Leave the safe state; alarms that are still there degrade the plant."""
-        self._awaited = False
+        self._awaited = self._believed = False
         if still := self._states.leave():
             names = ", ".join(self._alarms[number].id for number in still)
             self.note(EventKind.DEGRADED, f"still there: alarm {names}")

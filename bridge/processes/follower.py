@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import Any, NamedTuple
 
 from bridge.errors import RunError
-from bridge.loop.follower import FollowerSide, warm_up
+from bridge.loop.follower import FollowerSide, Told, warm_up
 from bridge.loop.health import watching
 from bridge.machine.narrator import Narrator
 from bridge.machine.priority import stand_back
@@ -18,13 +18,13 @@ from bridge.machine.process import Stop
 from bridge.processes.contact import Contact
 from bridge.scenario import changed
 from bridge.scenario.untrusted import parsed_json
-from bridge.wire.bus import Bus
+from bridge.wire.bus import Bus, stamp_of
 from bridge.wire.codec import decode, ready
 from bridge.wire.health import PLACES
 from bridge.wire.limits import WAITING_RECORDS, Excess
 from bridge.wire.link import Link
-from bridge.wire.messages import ESTIMATE, HEALTH, INNOVATION, TOPICS, Mode, Outgoing, Phase
-from bridge.wire.status import PUBLISHED, TURNED, counted
+from bridge.wire.messages import ESTIMATE, GOING, HEALTH, INNOVATION, TOPICS, Mode, Outgoing, Phase
+from bridge.wire.status import PUBLISHED, TURNED, Reading, counted, numbers_of
 from controller.grid import NS
 from twin.estimation.filter import Estimate
 from twin.estimation.health import Health, Rules
@@ -34,6 +34,14 @@ from twin.estimation.settings import Settings
 ROLE = "follower"
 HEARD = ("command", "measurement", "event", "status")
 STATUS_PERIOD = 0.5  # [s] of wall time
+
+
+def told_by(status: Any) -> Told | None:
+    """What a plant says of itself by a status; None for that of another process, or a last word."""
+    reading = Reading.from_plain(numbers_of(status)) if status.role == "plant" and status.phase in GOING else None
+    if reading is None:
+        return None
+    return Told(status.stamp, status.phase in (Phase.SAFE, Phase.LATCHED), reading.spool)
 
 
 class FollowerReport(NamedTuple):
@@ -54,7 +62,7 @@ class FollowerProcess:
         self.bus, self.side, self.stop = bus, side, stop
         self._narrator = Narrator(quiet)
         self._inbox: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
-        self._newest, self._longest_lag = -1, 0
+        self._newest, self._arrived, self._longest_lag = -1, -1, 0  # scan taken, scan that has come; [ns]
         self._standing = Standing.WAITING
         self._said = 0  # of the verdicts on its health
         self._status_due = 0.0
@@ -84,6 +92,8 @@ class FollowerProcess:
 
     def _keep(self, topic: str, sample: Any) -> None:
         """In Zenoh's thread."""
+        if topic == "measurement" and (stamp := stamp_of(sample)) is not None:
+            self._arrived = stamp[0]
         if self._inbox.qsize() < WAITING_RECORDS:
             self._inbox.put((topic, sample.payload.to_bytes()))
         else:
@@ -97,6 +107,8 @@ class FollowerProcess:
             return
         if topic == "status":
             self._contact.heed(message)
+            if told := told_by(message):
+                self.side.learn(told)
         elif topic == "event":
             self.side.heed(message)
         elif topic == "command":
@@ -104,7 +116,7 @@ class FollowerProcess:
         else:
             self._tick, self._newest = message.tick, message.stamp
             self._publish(self.side.hear(message))
-            self._longest_lag = max(self._longest_lag, self._newest - self.side.now)
+            self._longest_lag = max(self._longest_lag, self._lag())
 
     def _publish(self, messages: list[Outgoing]) -> None:
         for message in messages:
@@ -125,8 +137,8 @@ class FollowerProcess:
         if time.monotonic() < self._status_due:
             return
         self._status_due = time.monotonic() + STATUS_PERIOD
-        lag = max(0, self._newest - self.side.now) / NS
-        own = {"standing": float(self._standing), "restarts": float(max(0, self.side.restarts)), "lag": lag}
+        own = {"standing": float(self._standing), "restarts": float(max(0, self.side.restarts))}
+        own |= {"lag": self._lag() / NS}
         own["processor_share"] = self._share()
         if self.side.health is not None:
             own |= {"verdict": float(self.side.health.latest.verdict), "first": float(self._suspect())}
@@ -136,6 +148,10 @@ class FollowerProcess:
         """The place of the likeliest fault in the health message's table; -1 none."""
         suspects = self.side.health.latest.suspects if self.side.health is not None else ()
         return PLACES.index(suspects[0]) if suspects else -1
+
+    def _lag(self) -> int:
+        """How far the estimate is behind the newest scan that has come, those that wait for us included [ns]."""
+        return max(0, max(self._newest, self._arrived) - self.side.now)
 
     def _share(self) -> float:
         worked, took = time.process_time() - self._began[0], time.monotonic() - self._began[1]

@@ -1,8 +1,13 @@
-"""What each process at a rig says of itself now: the newest `status` of each, gathered for a moment."""
+"""What each process at a rig says of itself now: the newest `status` of each, gathered for a moment.
+
+A plant and a follower speak twice a second, others only when there is something to say: of these it is known that they
+are there.
+"""
 
 import math
+import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Set
 from typing import Any, NamedTuple
 
 from bridge.wire.bus import Bus
@@ -15,7 +20,8 @@ from twin.estimation.quantities import Standing
 from twin.topology import PRESSURES
 
 STANDING, VERDICT, FIRST = "standing", "verdict", "first"  # of a follower's numbers
-MOMENT = 1.2  # [s]: everybody speaks twice a second
+THERE = "there"  # phase of one that has said nothing
+MOMENT = 1.2  # [s]
 
 
 class Status(NamedTuple):
@@ -24,13 +30,13 @@ class Status(NamedTuple):
     role: str
     pid: int
     phase: str
-    time: float  # simulated [s]
+    time: float | None  # simulated [s]; None: not known
     words: str  # what it is about
     numbers: dict[str, float | None]  # None: not known
 
 
 def statuses(bus: Bus, stopped: Callable[[], bool], seconds: float = MOMENT) -> list[Status]:
-    """Of all that spoke within some seconds, by role."""
+    """Of all that spoke within some seconds or are there, by role."""
     newest: dict[tuple[str, int], Any] = {}
     ready("status")
 
@@ -42,10 +48,19 @@ def statuses(bus: Bus, stopped: Callable[[], bool], seconds: float = MOMENT) -> 
         newest[message.role, message.pid] = message
 
     bus.subscribe("status", take)
+    bus.watch()
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline and not stopped():
         time.sleep(0.02)
-    return [_status(message) for _, message in sorted(newest.items())]
+    spoken = [_status(message) for message in newest.values()]
+    return sorted([*spoken, *_silent(bus.present, {str(each.pid) for each in spoken})], key=lambda each: each[:2])
+
+
+def _silent(present: Mapping[str, Set[str]], spoken: Set[str]) -> Iterator[Status]:
+    """Those that have a sign of life and said nothing."""
+    for role, pids in present.items():
+        for pid in pids - spoken - {str(os.getpid())}:
+            yield Status(role, int(pid) if pid.isdigit() else 0, THERE, None, "" if pid.isdigit() else pid, {})
 
 
 def _status(message: Any) -> Status:

@@ -13,8 +13,11 @@ from bridge.loop.ahead import Past, Question, changes_of, look_ahead
 from bridge.loop.follower import FollowerSide
 from bridge.processes.listening import Heard
 from bridge.recording.columns import sine_of
+from bridge.recording.imported import is_measured
 from bridge.recording.reader import read
+from bridge.scenario import Scenario
 from bridge.scenario.bands import METRICS, parse_band
+from bridge.scenario.tunable import in_si, tunable
 from bridge.wire.codec import decode
 from controller.bands import WHOLE, Band, Metrics, judge
 from controller.grid import NS
@@ -41,6 +44,7 @@ class Verdict(NamedTuple):
     time: float  # of the estimate [s]
     horizon: float  # [s]
     changes: Mapping[str, Any]
+    tried: str  # the same for people, in SI
     metrics: dict[str, dict[str, float]]  # low, median, high; of those that every future has
     bands: list[Kept]
     risk: float  # share of futures that may break a band
@@ -60,6 +64,13 @@ def from_file(path: Path, at: int | None, settings: Settings) -> Heard:
     """The estimate of a recording at a time [ns], None for its end. Raises UsageError where there is none."""
     recording = read(path)
     scenario = recording.scenario()
+    if is_measured(recording):
+        raise UsageError(
+            f"{path}: a log that was imported has no control law, so nobody knows what would have followed"
+        )
+    end = max((entry.log_time for entry in recording.entries if entry.topic == "measurement"), default=0)
+    if at is not None and at > end:
+        raise UsageError(f"--at {at / NS:g} s: {path} ends at {end / NS:g} s")
     side, past = FollowerSide(scenario, settings), Past([], [])
     entries = sorted(
         (entry for entry in recording.entries if entry.topic in ORDER and (at is None or entry.log_time <= at)),
@@ -83,7 +94,9 @@ def from_file(path: Path, at: int | None, settings: Settings) -> Heard:
 
 def what_if(heard: Heard, changes: Mapping[str, Any], horizon: int, bands: Sequence[str], risk: float) -> Verdict:
     """The futures under some changes, judged. Raises UsageError, ScenarioError."""
-    parsed = [_band(text) for text in bands]
+    parsed = [band_of(text) for text in bands]
+    if horizon < heard.side.grid.daq:
+        raise UsageError(f"--horizon {horizon / NS:g} s: at least one scan, {heard.side.grid.daq / NS:g} s")
     before = time.perf_counter()
     recent = [m for m in heard.past.measurements if m.stamp >= heard.side.now - MEMORY]
     futures = look_ahead(heard.side, heard.scenario, Past(recent, heard.past.changes), Question(changes, horizon))
@@ -96,11 +109,21 @@ def what_if(heard: Heard, changes: Mapping[str, Any], horizon: int, bands: Seque
         for text, band in zip(bands, parsed, strict=True)
     ]
     took = time.perf_counter() - before
-    return Verdict(heard.side.now / NS, horizon / NS, dict(changes), _spread(found), kept, risk, took)
+    tried = ", ".join(_words(name, value, heard.scenario) for name, value in changes.items())
+    return Verdict(heard.side.now / NS, horizon / NS, dict(changes), tried, _spread(found), kept, risk, took)
 
 
-def _band(text: str) -> Band:
-    band = parse_band(text)
+def _words(name: str, value: Any, scenario: Scenario) -> str:
+    entry = tunable(name, scenario)
+    return f"{name} = {in_si(value, entry, scenario):.4g} {entry.unit}".rstrip()
+
+
+def band_of(text: str) -> Band:
+    """A band that a look ahead can be judged by. Raises UsageError."""
+    try:
+        band = parse_band(text)
+    except ValueError as error:
+        raise UsageError(f"--{error}") from None
     if not isinstance(band, Band) or (band.begin, band.end) != WHOLE:
         raise UsageError(f"--expect {text!r}: a band of a metric over the whole horizon, such as 'overshoot <= 5 %'")
     return band

@@ -46,6 +46,9 @@ METRICS = {
     "valve_travel": Shown("valve travel", "", 1.0, "travels"),
 }
 assert set(METRICS) == set(Metrics._fields)
+_PRINTED = {
+    re.sub(r"[\s-]+", "_", shown_as.words): name for name, shown_as in METRICS.items()
+}  # a band may say so, too
 SIGNALS = OBSERVED | BALANCE_UNITS
 BANDED = SIGNALS | {"error": "m", "reference": "m"}  # what a statistic can be asked of
 _NO_STRETCH = "no constant stretch of at least 1 s follows a motion of the reference"
@@ -127,6 +130,7 @@ def parse_measure(text: str) -> Band | WindowBand:
     """What a band can name, as one without a limit: "overshoot", "mean p1 from 3 s to end". Raises ValueError."""
     words, begin, end = _parts(text.strip())
     metric = re.sub(r"[\s-]+", "_", words)
+    metric = _PRINTED.get(metric, metric)
     statistic, _, signal = words.partition(" ")
     if metric in METRICS:
         return Band(metric, ">=", -math.inf, *_window(begin, end))

@@ -9,7 +9,7 @@ from bridge.errors import ScenarioError, UsageError
 from bridge.loop.ahead import Past, Question, look_ahead
 from bridge.recording.reader import Recording
 from bridge.recording.writer import save
-from bridge.replay.whatif import from_file, what_if
+from bridge.replay.whatif import band_of, from_file, what_if
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import load
 from twin.estimation.settings import Settings
@@ -107,3 +107,20 @@ def test_of_a_plant_whose_valve_obeys_nobody_nothing_is_said(tmp_path: Path):
     heard = from_file(save(rec, tmp_path / "a.mcap", "rig"), 1_300_000_000, SETTINGS)
     with pytest.raises(UsageError, match="is latched, so no command acts"):
         what_if(heard, {}, HORIZON, [], 0.05)
+
+
+def test_what_cannot_be_asked_is_refused_in_one_line(recorded: tuple[Path, Recording]):
+    path, _ = recorded
+    with pytest.raises(UsageError, match=r"--at 9 s: .* ends at 1.1 s"):
+        from_file(path, 9_000_000_000, SETTINGS)
+    heard = from_file(path, 300_000_000, SETTINGS)
+    with pytest.raises(UsageError, match="--horizon 0 s: at least one scan"):
+        what_if(heard, {}, 0, [], 0.05)
+    for band, words in (("peek p1 <= 90 bar", "did you mean"), ("peak p1 <= 90 mm", "mm"), ("peak p1 90 bar", "write")):
+        with pytest.raises(UsageError, match=words):
+            band_of(band)
+
+
+def test_a_metric_may_be_called_as_tables_print_it():
+    for shown, name in (("largest error <= 3 mm", "max_error"), ("least p_lower >= 0 bar", "min_p_lower")):
+        assert band_of(shown).metric == name
