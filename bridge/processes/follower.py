@@ -81,7 +81,7 @@ class FollowerProcess:
         try:
             while not self.stop() and not self._finished():
                 with suppress(queue.Empty):
-                    self._take(*self._inbox.get(timeout=0.02))
+                    self.take(*self._inbox.get(timeout=0.02))
                 self._report_when_due()
         finally:
             self._publish(self.side.finish())
@@ -99,7 +99,8 @@ class FollowerProcess:
         else:
             self.bus.turned.add(topic, Excess.WAITING)
 
-    def _take(self, topic: str, payload: bytes) -> None:
+    def take(self, topic: str, payload: bytes) -> None:
+        """A message, in our thread."""
         try:
             message = decode(payload, topic)
         except ValueError:
@@ -116,7 +117,7 @@ class FollowerProcess:
         else:
             self._tick, self._newest = message.tick, message.stamp
             self._publish(self.side.hear(message))
-            self._longest_lag = max(self._longest_lag, self._lag())
+            self._longest_lag = max(self._longest_lag, self.behind)
 
     def _publish(self, messages: list[Outgoing]) -> None:
         for message in messages:
@@ -138,7 +139,7 @@ class FollowerProcess:
             return
         self._status_due = time.monotonic() + STATUS_PERIOD
         own = {"standing": float(self._standing), "restarts": float(max(0, self.side.restarts))}
-        own |= {"lag": self._lag() / NS}
+        own |= {"lag": self.behind / NS}
         own["processor_share"] = self._share()
         if self.side.health is not None:
             own |= {"verdict": float(self.side.health.latest.verdict), "first": float(self._suspect())}
@@ -149,9 +150,10 @@ class FollowerProcess:
         suspects = self.side.health.latest.suspects if self.side.health is not None else ()
         return PLACES.index(suspects[0]) if suspects else -1
 
-    def _lag(self) -> int:
+    @property
+    def behind(self) -> int:
         """How far the estimate is behind the newest scan that has come, those that wait for us included [ns]."""
-        return max(0, max(self._newest, self._arrived) - self.side.now)
+        return max(0, max(self._newest, self._arrived) - self.side.now) if self.side.now >= 0 else 0
 
     def _share(self) -> float:
         worked, took = time.process_time() - self._began[0], time.monotonic() - self._began[1]

@@ -1,10 +1,17 @@
-"""A follower that joins a plant whose commands do not act: it has not heard what led there."""
+"""A follower beside a plant that runs: what it learns from its status when it joins, and how far it is behind."""
+
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from bridge.loop.exchange import exchange, sides
 from bridge.loop.follower import FollowerSide, Told
+from bridge.processes.follower import FollowerProcess
+from bridge.runs.in_process import run_in_memory
 from bridge.scenario import load
+from bridge.wire.bus import STAMP
+from bridge.wire.intake import Turned
 from bridge.wire.messages import SafetyState
 from tests.support.beside import hand
 from twin.estimation.quantities import Standing
@@ -42,3 +49,27 @@ def test_it_learns_from_the_plant_s_status_that_commands_do_not_act(told: bool):
         state = plant.true_state()
         assert side.latest.values["position"] == pytest.approx(state.position, abs=0.2e-3)
         assert side.latest.values["spool"] == pytest.approx(state.spool, abs=0.02)
+
+
+def test_how_far_it_is_behind_counts_the_scans_that_wait():
+    """Fifty scans have come while it was busy with the first."""
+    publishers: dict[str, Any] = {}
+    bus: Any = SimpleNamespace(
+        rig_name="rig", place="here", present={}, turned=Turned(), publish=lambda message: None,
+        session=SimpleNamespace(info=SimpleNamespace(routers_zid=list)),
+        subscribe=publishers.__setitem__, watch=lambda: None, announce=lambda: None,
+    )  # fmt: skip
+    process = FollowerProcess(bus, FollowerSide(load("sine"), Settings()), lambda: False, quiet=True)
+    rec = run_in_memory(load("sine", ["duration=0.05"]))
+    scans = [entry.data for entry in rec.of("measurement")]
+    for tick, data in enumerate(scans):
+        publishers["measurement"](_sample(data, STAMP.pack(tick * 1_000_000, tick)))
+    process.take("measurement", scans[0])
+    assert process.behind == 50_000_000
+
+
+def _sample(data: bytes, stamp: bytes) -> Any:
+    """A message as Zenoh hands it over."""
+    return SimpleNamespace(
+        payload=SimpleNamespace(to_bytes=lambda: data), attachment=SimpleNamespace(to_bytes=lambda: stamp)
+    )
