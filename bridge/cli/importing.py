@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bridge.cli.options import AS_JSON, there
-from bridge.cli.outputs import print_json
+from bridge.cli.outputs import given_up, print_json, write_text
+from bridge.cli.streams import said_when_interrupted
 from bridge.errors import UsageError
 
 if TYPE_CHECKING:
     from bridge.recording.logs.importing import Made
+
+RIG = "ehla"
 
 
 def import_log(
@@ -22,46 +25,71 @@ def import_log(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Recording to write. [default: LOG.mcap, here]", show_default=False),
+        typer.Option(
+            "--output",
+            "-o",
+            help="Recording to write; with --guess the map. [default: LOG.mcap, here; a map is printed]",
+            show_default=False,
+        ),
     ] = None,
     guess: Annotated[
         bool,
         typer.Option("--guess", help="Print a map to edit: names, units and ranges of the log, and how sure each is."),
     ] = False,
-    rig: Annotated[str, typer.Option(help="Scenario whose drive the guessed map is for.")] = "ehla",
+    rig: Annotated[
+        str | None,
+        typer.Option(
+            help="With --guess: scenario whose drive the map is for. [default: ehla]",
+            metavar="SCENARIO",
+            show_default=False,
+        ),
+    ] = None,
     as_json: AS_JSON = False,
 ) -> None:
     """Import a log that another program has measured on a rig: a recording that every verb takes.
 
     The map names the drive, and of each signal its column, unit, sign and method; docs/import.md describes it. What is
-    missing in the log stays missing.
+    missing in the log stays missing. A file that is there is replaced if it was imported before, and no other.
     """
     there(log)
     if guess:
-        _guess(log, rig, as_json)
+        if map_path is not None:
+            raise UsageError("--guess proposes a map, and --map gives one: leave one of them out")
+        _guess(log, rig or RIG, output, as_json)
         return
+    if rig is not None:
+        raise UsageError(f"--rig {rig}: is of --guess; the drive of an import is named by its map, `rig`")
     if map_path is None:
         raise UsageError(f"{log}: --map MAP.toml says which column is which signal; --guess proposes such a map")
     there(map_path)
     from bridge.recording.logs.importing import import_log as write
     from bridge.recording.logs.importing import stem
 
-    made = write(log, map_path, output or Path(f"{stem(log)}.mcap"))
+    path = output or Path(f"{stem(log)}.mcap")
+    with said_when_interrupted(lambda: given_up(path)):
+        made = write(log, map_path, path)
     if as_json:
-        print_json({"recording": str(made.recording.path), **made.recording.metadata["imported"]})
+        own = {"recording": str(made.recording.path), "replaced": made.replaced}
+        print_json(own | made.recording.metadata["imported"])
     else:
         _print(made)
 
 
-def _guess(log: Path, rig: str, as_json: bool) -> None:
+def _guess(log: Path, rig: str, output: Path | None, as_json: bool) -> None:
     from bridge.recording.logs.guess import guessed_map
 
+    if output is not None and output.suffix != ".toml":
+        raise UsageError(f"-o {output}: a map is a TOML file; name one that ends in .toml")
+    if output is not None and output.exists():  # a guess is corrected by hand: that is not to be lost
+        raise UsageError(f"-o {output}: is there already; name another file")
     found = guessed_map(log, rig)
+    if not write_text(output, found.text):
+        raise typer.Exit(1)
     if as_json:
         signals = {name: {"column": g.column, "sure": g.sure.word, "why": g.why} for name, g in found.signals.items()}
         print_json({"map": found.text, "signals": signals})
     else:
-        print(found.text, end="")
+        print(found.text if output is None else f"{output}\n", end="")
 
 
 def _print(made: "Made") -> None:
@@ -80,4 +108,4 @@ def _print(made: "Made") -> None:
     print(f"rows       {rows_in_words(told['rows'])}")
     for note in told["notes"]:
         print(f"note       {note}")
-    print(f"recording  {made.recording.path}")
+    print(f"recording  {made.recording.path}" + (", in place of an earlier import" if made.replaced else ""))

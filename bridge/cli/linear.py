@@ -1,6 +1,5 @@
 """The verb linearise."""
 
-import json
 import math
 from pathlib import Path
 from typing import Annotated
@@ -8,7 +7,7 @@ from typing import Annotated
 import typer
 
 from bridge.cli.options import AS_JSON, CHANGES, SCENARIO
-from bridge.cli.outputs import print_json, write_text
+from bridge.cli.outputs import json_text, print_json, write_text
 
 AT = Annotated[
     str, typer.Option("--at", help="rest, up or down (limits of slow motion), or a spool position, such as 0.3.")
@@ -39,7 +38,7 @@ def linearise(
 
     model = linear_model(loaded, at, slope)
     plain = model.plain()
-    written = write_text(output, json.dumps(plain, indent=1) + "\n")
+    written = write_text(output, json_text(plain, 1) + "\n")
     if as_json:
         print_json(plain)
     else:

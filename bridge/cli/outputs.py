@@ -1,7 +1,9 @@
 """What a verb hands over: JSON on standard output, and files beside it; one that cannot be written hides no result."""
 
 import json
+import math
 import time
+from collections.abc import Mapping
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -12,7 +14,20 @@ from bridge.errors import RunError, writing
 
 def print_json(value: Any) -> None:
     """Plain JSON on standard output."""
-    print(json.dumps(value, indent=2))
+    print(json_text(value))
+
+
+def json_text(value: Any, indent: int | None = 2) -> str:
+    """Plain JSON. It has no NaN and no infinity: such a number is null, as what is not known."""
+    return json.dumps(_known(value), indent=indent, allow_nan=False)
+
+
+def _known(value: Any) -> Any:
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: _known(held) for key, held in value.items()}
+    return [*map(_known, value)] if isinstance(value, list | tuple) else value
 
 
 def write_text(path: Path | None, text: str) -> bool:
@@ -41,3 +56,11 @@ def own_folder(verb: str) -> Path:
             return folder
         return folder
     raise AssertionError("unreachable")
+
+
+def given_up(path: Path) -> str:
+    """Of a verb that is interrupted while it makes a recording: nothing is left of it; what is said."""
+    from bridge.recording.replace import part_of
+
+    part_of(path).unlink(missing_ok=True)
+    return f"interrupted; {path} is not written" + (", it is as it was before" if path.exists() else "")

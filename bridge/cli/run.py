@@ -1,6 +1,5 @@
 """Verbs that run scenarios: run, check."""
 
-import json
 import time
 from collections.abc import Iterator
 from contextlib import nullcontext, suppress
@@ -18,7 +17,7 @@ from bridge.cli.options import (
     address,
     seconds,
 )
-from bridge.cli.outputs import own_folder, print_json, write_text
+from bridge.cli.outputs import json_text, own_folder, print_json, write_text
 from bridge.cli.streams import complain, done_when_interrupted
 from bridge.errors import UsageError
 from bridge.machine.priority import Priority
@@ -82,7 +81,7 @@ def run(
     with done_when_interrupted(lambda: print_summary(outcome)):  # what is known without picture and theory
         full = shown(outcome)
     print_summary(full)
-    written = write_text(summary_file, json.dumps(full.plain(), indent=2))
+    written = write_text(summary_file, json_text(full.plain()))
     raise typer.Exit(1 if full.faults or not written else 0)
 
 

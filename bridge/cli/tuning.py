@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from bridge.cli.options import AS_JSON, CONFIG, CONNECT
-from bridge.cli.outputs import print_json
+from bridge.cli.outputs import json_text, print_json
 from bridge.errors import RunError, UsageError
 from bridge.wire.link import DEFAULT_ENDPOINT
 
@@ -87,7 +87,7 @@ def watch(
 
 def _print_row(row: dict[str, float], as_json: bool, headed: bool) -> None:
     if as_json:
-        print(json.dumps(row), flush=True)
+        print(json_text(row, None), flush=True)
         return
     if headed:
         print(" ".join(f"{name:>{WIDTH}}" for name in row))

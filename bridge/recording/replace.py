@@ -15,17 +15,31 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
 
     Raises UsageError with one line where it cannot be written.
     """
+    with aside_of(path) as aside, aside.open("wb") as file:
+        yield file
+
+
+@contextmanager
+def aside_of(path: Path) -> Iterator[Path]:
+    """An empty file that, once written, takes the place of `path`; the same otherwise."""
     target = path.resolve()
     if target.exists() and not target.is_file():
         raise UsageError(f"{path}: is not a file that can be replaced; name another one")
-    aside = target.with_name(f".{target.name}.{os.getpid()}.part")
+    aside = part_of(path)
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with aside.open("xb") as file:
-            yield file
+        with suppress(FileExistsError):  # a file of that name: to open what lies in it says so better
+            target.parent.mkdir(parents=True, exist_ok=True)
+        aside.open("xb").close()
+        yield aside
         aside.replace(target)
     except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}") from None
+        raise UsageError(f"{path}: {error.strerror}; name another file with --output") from None
     finally:
         with suppress(OSError):
             aside.unlink()
+
+
+def part_of(path: Path) -> Path:
+    """What is written aside for a path, by this process."""
+    target = path.resolve()
+    return target.with_name(f".{target.name}.{os.getpid()}.part")

@@ -89,7 +89,7 @@ def _opened(path: Path) -> int:
             path.parent.mkdir(parents=True, exist_ok=True)
         return _locked(path)
     except OSError as error:
-        words = f"{error.strerror}; record elsewhere: --record FILE with run, --output with check and record"
+        words = f"{error.strerror}; record elsewhere: --record FILE with run, --output with other verbs"
         raise OSError(error.errno, words, str(path)) from None
 
 

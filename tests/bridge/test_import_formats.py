@@ -16,6 +16,7 @@ from scipy.io import savemat
 from bridge.errors import UsageError
 from bridge.recording.imported import facts
 from bridge.recording.logs import limits, mat_file
+from bridge.recording.logs.bag_folder import files_of_bag
 from bridge.recording.logs.formats import read_log
 from bridge.recording.logs.measured import measured
 from bridge.recording.logs.reading import Reading
@@ -202,7 +203,20 @@ def test_damaged_files_and_those_of_other_kinds(tmp_path, name, content, words):
 
 
 def test_a_folder_that_is_no_bag(tmp_path):
+    """Nothing in it is read."""
     assert "without a bag" in refused(tmp_path)
+    for name in ("a.mcap", "b_1.mcap"):
+        (tmp_path / name).write_bytes(b"not read")
+    assert "2 files (a.mcap, b_1.mcap, ...) and without the metadata.yaml" in refused(tmp_path)
+
+
+def test_the_files_of_a_bag_are_its_parts_or_those_that_its_metadata_lists(tmp_path):
+    for name in ("run_0.mcap", "run_1.mcap"):
+        (tmp_path / name).touch()
+    assert [file.name for file in files_of_bag(tmp_path)] == ["run_0.mcap", "run_1.mcap"]
+    (tmp_path / "other.mcap").touch()
+    (tmp_path / "metadata.yaml").write_text("info:\n  relative_file_paths:\n    - run_0.mcap\n    - 'run_1.mcap'\n")
+    assert [file.name for file in files_of_bag(tmp_path)] == ["run_0.mcap", "run_1.mcap"]
 
 
 def test_a_bomb_in_a_matlab_file(tmp_path, monkeypatch):

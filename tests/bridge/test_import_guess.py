@@ -17,6 +17,7 @@ from bridge.recording.logs.sensors import quantum
 from tests.support.command import hydrotwin_here
 from tests.support.logs import BAR, MM, ROWS, TIME, VOLTS
 
+STEP = Path(__file__).parents[2] / "recordings" / "step.mcap"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "import" / "foreign-rig.toml"
 LSB_MM, LSB_BAR = 300.0 / 4096.0, 250.0 / 4096.0
 
@@ -99,11 +100,45 @@ def test_names_say_less_than_units(tmp_path):
     assert {name: guess.sure for name, guess in signals.items()} == {"command": Sure.UNSURE, "position": Sure.UNSURE}
 
 
+def test_how_sure_a_name_is_and_why_is_printed_as_the_guide_has_it(tmp_path):
+    """A word is sure with a unit and likely without, a letter likely and unsure; of the port no log says the side."""
+    rows = zip(TIME, VOLTS, MM, BAR, BAR, strict=True)
+    lines = ["t_s,valve,x_mm,p_A_bar,q b", *(f"{t},{u / 10},{x},{p},{q}" for t, u, x, p, q in rows)]
+    (tmp_path / "log.csv").write_text("\n".join(lines))
+    text = guessed_map(tmp_path / "log.csv", "ehla").text
+    assert "[signal.command]  # likely: name 'valve', no unit" in text
+    assert "[signal.position]  # likely: letter 'x' and unit mm" in text
+    assert "[signal.p2]  # likely: letter 'a' and unit bar" in text
+    assert "# p2 is the chamber of port A; unsure: a log does not say whether cap or rod side" in text
+
+
+def test_a_guess_goes_to_a_file_of_its_own_and_takes_no_map(tmp_path):
+    foreign(tmp_path)
+    done = hydrotwin_here("import", "foreign.csv", "--guess", "-o", "map.toml", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "map.toml\n")
+    assert load_map(tmp_path / "map.toml").rig == "ehla"
+    for words, why in (
+        (("--guess", "-o", "map.toml"), "-o map.toml: is there already"),
+        (("--guess", "-o", "map.txt"), "-o map.txt: a map is a TOML file"),
+        (("--guess", "--map", "map.toml"), "--guess proposes a map, and --map gives one"),
+        (("--rig", "step", "--map", "map.toml"), "--rig step: is of --guess"),
+    ):
+        done = hydrotwin_here("import", "foreign.csv", *words, cwd=tmp_path)
+        assert done.returncode == 2
+        assert why in done.stderr
+
+
+def test_of_a_recording_of_ours_nothing_is_guessed(tmp_path):
+    done = hydrotwin_here("import", str(STEP), "--guess", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "is a recording of hydrotwin; it needs no import" in done.stderr
+
+
 def test_our_own_names_are_known_and_counters_are_not_signals(tmp_path):
     """Columns as our own exports have them: of the card before of the joint, the spool and not the command's number."""
-    names = "time_s,command.sequence,command.sample_stamp,command.spool,joint.position,measurement.position"
-    rows = zip(TIME, range(ROWS), range(ROWS), VOLTS, MM, MM, strict=True)
-    lines = [names, *(f"{t},{n},{10 * n},{u / 10},{x / 1e3},{x / 1e3}" for t, n, _, u, x, _ in rows)]
+    names = "time_s,command.sequence,command.source,command.apply_at,command.spool,joint.position,measurement.position"
+    rows = zip(TIME, range(ROWS), VOLTS, MM, strict=True)
+    lines = [names, *(f"{t},{n},{n % 7},{10 * n},{u / 10},{x / 1e3},{x / 1e3}" for t, n, u, x in rows)]
     (tmp_path / "log.csv").write_text("\n".join(lines))
     found = guessed_map(tmp_path / "log.csv", "ehla").signals
     assert {name: guess.column for name, guess in found.items()} == {

@@ -2,6 +2,10 @@
 
 import json
 import re
+import shutil
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +20,9 @@ from bridge.recording.seen import judged, seen
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import load
 from tests.support.command import hydrotwin_here
+from tests.support.processes import ENVIRONMENT
 
+STEP = Path(__file__).parents[2] / "recordings" / "step.mcap"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "import" / "foreign-rig.toml"
 HELD, LOST = range(500, 600), range(700, 900)  # rows without a position, rows that are not there
 MOVED = ["duration=1.2", "start.position=100 mm", "reference.mean=110 mm", "reference.amplitude=10 mm"]
@@ -172,6 +178,51 @@ def test_mistakes_in_a_map_are_told_in_one_line(folder, before, after, words):
     assert words in done.stderr
     assert done.stderr.count("\n") == 1
     assert not (folder / "wrong.mcap").exists()
+
+
+def test_a_recording_that_was_imported_is_replaced_and_no_other(folder, tmp_path):
+    words = ("import", str(folder / "whole.csv"), "--map", str(EXAMPLE), "-o")
+    assert "in place of an earlier import" not in good(tmp_path, *words, "a.mcap")
+    assert "a.mcap, in place of an earlier import" in good(tmp_path, *words, "a.mcap")
+    (tmp_path / "run.mcap").write_bytes(STEP.read_bytes())
+    (tmp_path / "notes.mcap").write_text("mine")
+    for name, why in (
+        ("run.mcap", "is there and was not written by hydrotwin import"),
+        ("notes.mcap", "is there and was not written by hydrotwin import"),
+        ("a.csv", "a recording is an MCAP file"),
+        ("notes.mcap/a.mcap", "notes.mcap/a.mcap: Not a directory; name another file with --output"),
+    ):
+        done = hydrotwin_here(*words, name, cwd=tmp_path)
+        assert done.returncode == 2
+        assert why in done.stderr
+        assert done.stderr.count("\n") == 1
+    assert (tmp_path / "run.mcap").read_bytes() == STEP.read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.mcap", "notes.mcap", "run.mcap"]
+
+
+INTERRUPTED = """
+import os, signal, sys
+from bridge.cli import main
+from bridge.recording import made_before
+def killed(recording, path, rig_name):
+    path.write_bytes(b"half")
+    os.kill(os.getpid(), signal.SIGINT)
+made_before.save = killed
+sys.argv = ["hydrotwin", *sys.argv[1:]]
+main()
+"""
+
+
+def test_an_interrupted_import_says_so_and_leaves_what_was_there(folder, tmp_path):
+    """Ctrl-C while the recording is written, over an earlier one."""
+    shutil.copy(folder / "whole.mcap", tmp_path / "a.mcap")
+    words = ("import", str(folder / "whole.csv"), "--map", str(EXAMPLE), "-o", "a.mcap")
+    command = [sys.executable, "-c", INTERRUPTED, *words]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
+    assert done.returncode == -signal.SIGINT
+    assert done.stderr == "hydrotwin: interrupted; a.mcap is not written, it is as it was before\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mcap"]
+    assert (tmp_path / "a.mcap").read_bytes() == (folder / "whole.mcap").read_bytes()
 
 
 def test_without_a_map_or_a_log(folder):

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.errors import UsageError
+from bridge.recording.logs.bag_folder import files_of_bag
 from bridge.recording.logs.columns_of import column
 from bridge.recording.logs.flat import Nanoseconds, flat
 from bridge.recording.logs.limits import MOST_CELLS, refuse_large, size_of
@@ -39,11 +40,7 @@ class Message(NamedTuple):
 
 def read_folder(path: Path, reading: Reading) -> Table:
     """A rosbag2 folder: all its files. Raises UsageError for another folder."""
-    files = sorted(file for file in path.iterdir() if file.suffix in (".mcap", ".db3"))
-    if not files:
-        packed = any(file.suffix == ".zstd" for file in path.iterdir())
-        how = "its files are packed: unpack them with zstd -d" if packed else "a rosbag2 folder holds .mcap or .db3"
-        raise UsageError(f"{path}: is a folder without a bag; {how}")
+    files = files_of_bag(path)
     bags = [_mcap(file) if file.suffix == ".mcap" else _sqlite(file) for file in files]
     channels = {topic: channel for known, _ in reversed(bags) for topic, channel in known.items()}
     return _table(path, channels, [message for _, messages in bags for message in messages], "rosbag2")

@@ -36,7 +36,8 @@ class Head(NamedTuple):
 
 def read_csv(path: Path, reading: Reading) -> Table:
     """A text of rows and columns. Raises UsageError with one sentence for what is not one."""
-    text, encoding = decoded(path, content(path), reading)
+    raw, said = content(path)
+    text, encoding = decoded(path, raw, reading)
     lines = lines_of(path, text)
     if not any(line.strip() for line in lines):
         raise UsageError(f"{path}: is empty; there is nothing to import")
@@ -45,7 +46,7 @@ def read_csv(path: Path, reading: Reading) -> Table:
     rows = _Rows(path, head, shape, reading)
     rows.take(_rows(lines, head.first, shape))
     form = f"CSV with {NAMES.get(shape.delimiter, repr(shape.delimiter))}, {DECIMALS[shape.decimal]}, {encoding}"
-    return Table(form, rows.columns(), rows.notes())
+    return Table(form, rows.columns(), said + rows.notes())
 
 
 def _rows(lines: list[str], first: int, shape: Shape) -> Iterator[Row]:

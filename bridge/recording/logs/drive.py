@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from bridge.errors import UsageError, nearest
 from bridge.recording.logs.carried import Log
 from bridge.recording.logs.map import COMMAND, REFERENCE, Map
@@ -15,6 +17,8 @@ from bridge.scenario.files import plain, with_piece
 from twin.topology import CHANNELS
 
 SI = {COMMAND: "", REFERENCE: "m", **{name: channel.unit for name, channel in CHANNELS.items()}}
+EARLY = 0.1  # [s]: a start that is missing is read as late as this; assumed
+NOISE_AT_STOP = 0.01  # of the stroke: a rod at a stop may be read as far beyond it; assumed
 UNUSABLE = re.compile(r"[^\w.-]+")
 
 
@@ -50,6 +54,8 @@ def scenario_of(mapped: Map, base: dict[str, Any], log: Log, period: float, name
         "controller": {"kind": "open-loop"},
         "reference": {"kind": "constant", "value": 0.0},
     }
+    drive = check(with_piece(kept | own | {"start": {"position": 0.0}}, mapped.scenario), name)
+    own["start"] = _within_stroke(own["start"], drive.rig.cylinder.stroke)
     return check(with_piece(kept | own, mapped.scenario), name)
 
 
@@ -64,13 +70,27 @@ def _card(mapped: Map, daq: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _start(log: Log, start: Mapping[str, Any]) -> dict[str, Any]:
-    """Position and upper pressure as first measured, where they were."""
-    first = {"position": _first(log, "position"), "p_upper": max(0.0, _first(log, "p3"))}
-    return {**start, **{name: value for name, value in first.items() if math.isfinite(value)}}
+    """Position and upper pressure as first measured, where they were; else as the drive's scenario has them."""
+    first = {"position": _first(log, "position"), "p_upper": _first(log, "p3")}
+    found = {name: value for name, value in first.items() if math.isfinite(value)}
+    return {**start, **found, **({"p_upper": max(0.0, found["p_upper"])} if "p_upper" in found else {})}
 
 
 def _first(log: Log, name: str) -> float:
-    return float(log.signals[name].values[0]) if name in log.signals else math.nan
+    """The first value [SI] that is known soon after the beginning; NaN."""
+    if name not in log.signals:
+        return math.nan
+    early = log.signals[name].values[log.grid <= EARLY]
+    known = early[np.isfinite(early)]
+    return float(known[0]) if len(known) else math.nan
+
+
+def _within_stroke(start: dict[str, Any], stroke: float) -> dict[str, Any]:
+    """A position that is beyond a stop by noise alone counts as that stop; one that is farther out is refused later."""
+    noise, position = NOISE_AT_STOP * stroke, start.get("position")
+    if isinstance(position, float) and -noise <= position <= stroke + noise:
+        return start | {"position": min(max(position, 0.0), stroke)}
+    return start
 
 
 def _loop(loop: Mapping[str, Any], period: float, duration: float) -> dict[str, Any]:

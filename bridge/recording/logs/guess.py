@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from shlex import quote
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from bridge.recording.logs.guessed_time import GuessedTime, guessed_time
 from bridge.recording.logs.headers import factor
 from bridge.recording.logs.kinds import Sure, candidates
 from bridge.recording.logs.map import COMMAND, Time
+from bridge.recording.logs.packed import head, name_of
 from bridge.recording.logs.reading import Reading
 from bridge.recording.logs.table import Column, Table
 from bridge.scenario import check
@@ -24,11 +26,14 @@ from twin.topology import CHANNELS
 
 STEP = 50e-6  # [s]: a grid is whole steps of the simulation
 PRESSURES = ("p_p", "p_t", "p1", "p2", "p3")
+SIDES = {"p2": "A", "p3": "B"}
 SHARES = (COMMAND, "spool")  # of the valve's travel
 UNITS = {"velocity": "m/s", "acceleration": "m/s^2", "force": "N"}  # where nothing is said
 MOST_BAR = 2000.0  # what goes further is in Pa; assumed
 LONGEST_METRES = 3.0  # what goes further is not in metres; assumed
 MOST_EXTRA = 50
+MOST_COUNTS = 2.0**32  # of a converter or a counter of 32 bits
+MCAP = b"\x89MCAP0\r\n"
 NOT_MONOTONE = 0.5  # of correlation: below it nothing is said of signs; assumed
 
 
@@ -49,6 +54,7 @@ class Proposal(NamedTuple):
 
 def guessed_map(path: Path, rig: str) -> Proposal:
     """Propose a map for a log of the drive of a scenario. Raises UsageError for what is not a log."""
+    _refuse_own(path)
     valid = {COMMAND, "reference", *CHANNELS, *known(check(plain(rig), rig))}
     table = read_log(path, Reading())
     time = guessed_time(table)
@@ -58,9 +64,17 @@ def guessed_map(path: Path, rig: str) -> Proposal:
         )
     columns = {name: one for name, one in table.columns.items() if name != time.column and one.texts is None}
     columns = {name: one for name, one in columns.items() if np.isfinite(one.values).any() and one.unit != "ns"}
-    signals = _assigned(columns, valid)
+    signals = _assigned({name: one for name, one in columns.items() if not _is_identity(one)}, valid)
     text = "\n".join(_lines(path, table, rig, time, signals, columns)) + "\n"
     return Proposal(text, signals)
+
+
+def _refuse_own(path: Path) -> None:
+    """Raises UsageError for a recording of ours."""
+    from bridge.recording.reader import read
+
+    if path.is_file() and head(path, len(MCAP)) == MCAP and "scenario" in read(path, (), True).metadata.get("run", {}):
+        raise UsageError(f"{path}: is a recording of hydrotwin; it needs no import, every verb takes it as it is")
 
 
 def _assigned(columns: dict[str, Column], valid: set[str]) -> dict[str, Guess]:
@@ -78,6 +92,11 @@ def _assigned(columns: dict[str, Column], valid: set[str]) -> dict[str, Guess]:
     return found
 
 
+def _is_identity(column: Column) -> bool:
+    """Are its whole numbers larger than any count of a sensor: identities, hashes, stamps of an epoch?"""
+    return column.whole is not None and float(np.abs(column.values).max()) > MOST_COUNTS
+
+
 def _moves(column: Column) -> bool:
     """Is it more than one value all the time?"""
     return bool(np.nanmax(column.values) > np.nanmin(column.values))
@@ -86,8 +105,8 @@ def _moves(column: Column) -> bool:
 def _lines(
     path: Path, table: Table, rig: str, time: GuessedTime, signals: dict[str, Guess], columns: dict[str, Column]
 ) -> Iterator[str]:
-    yield f"# A guess at the map of {visible(path.name)} ({table.form}): every line says how sure it is."
-    yield f"# Look at it, correct it, then: hydrotwin import {visible(path.name)} --map THIS.toml -o run.mcap"
+    yield f"# A guess at the map of {visible(name_of(path))} ({table.form}): every line says how sure it is."
+    yield f"# Look at it, correct it, then: hydrotwin import {quote(visible(str(path)))} --map THIS.toml -o run.mcap"
     yield f"rig = {_quoted(rig)}  # unsure: a log does not say which drive it is of; a scenario or a file of yours"
     period = round(max(1.0, time.interval / STEP)) * STEP
     yield f'period = "{period * 1e3:g} ms"  # rows are usually {time.interval * 1e3:.6g} ms apart'
@@ -126,6 +145,8 @@ def _how(signal: str, column: Column, turned: float) -> Iterator[str]:
     yield from _unit(signal, column)
     if signal in PRESSURES and not column.unit.endswith("abs"):
         yield '# taken as gauge; an absolute one has unit = "bar abs" and its like'
+    if signal in SIDES:
+        yield f"# {signal} is the chamber of port {SIDES[signal]}; unsure: a log does not say whether cap or rod side"
     if signal == "position":
         yield "# must grow as port A drives the piston; if not: sign = -1, and an offset"
     converter = converter_of(column.values) if column.unit and not column.unit.endswith("abs") else None

@@ -15,11 +15,14 @@ from bridge.recording.logs.carried import Carried, Log, log_of
 from bridge.recording.logs.drive import base_of, period_of, scenario_of, units_of
 from bridge.recording.logs.formats import read_log
 from bridge.recording.logs.map import COMMAND, REFERENCE, Map, load_map
+from bridge.recording.logs.packed import name_of
+from bridge.recording.logs.remarks import remarks_on
 from bridge.recording.logs.sensors import estimated, plain, stated
 from bridge.recording.logs.table import Table
+from bridge.recording.made_before import is_replaced, save_whole
 from bridge.recording.reader import Recording, recording
 from bridge.recording.summarise import summarise
-from bridge.recording.writer import entries_of, save
+from bridge.recording.writer import entries_of
 from bridge.scenario import Scenario
 from bridge.wire.codec import Channels, Event, Measurement, Reference, Signals, ValveCommand
 from bridge.wire.events import last_words
@@ -38,6 +41,7 @@ class Made(NamedTuple):
     recording: Recording
     log: Log
     scenario: Scenario
+    replaced: bool = False  # a recording that was imported before
 
     def ends(self, name: str) -> tuple[float, float]:
         """The least and the greatest value of a signal or an extra column, SI."""
@@ -49,9 +53,10 @@ def import_log(path: Path, map_path: Path, output: Path) -> Made:
     """Read a log by a map and write the recording. Raises UsageError with one sentence for what cannot be."""
     if output.resolve() in (path.resolve(), map_path.resolve()):
         raise UsageError(f"{output}: would be overwritten; name another file with --output")
+    replaced = is_replaced(output, FACTS, "import")
     made = imported(path, load_map(map_path), map_path)
-    save(made.recording, output, made.scenario.rig_name)
-    return made._replace(recording=made.recording._replace(path=output))
+    save_whole(made.recording, output, made.scenario.rig_name)
+    return made._replace(recording=made.recording._replace(path=output), replaced=replaced)
 
 
 def imported(path: Path, mapped: Map, map_path: Path) -> Made:
@@ -59,12 +64,12 @@ def imported(path: Path, mapped: Map, map_path: Path) -> Made:
     who, base = map_path.name, base_of(mapped, map_path.parent)
     table = read_log(path, mapped.log)
     units, period = units_of(mapped, base, who), period_of(mapped, base)
-    log = log_of(table, mapped, units, period, f"{path.name}: {who}")
+    log = log_of(table, mapped, units, period, f"{name_of(path)}: {who}")
     log = log._replace(signals=_within_travel(log.signals, who))
     scenario = scenario_of(mapped, base, log, period, stem(path))
     digest = digest_of(path)
     run_id = int.from_bytes(hashlib.blake2b(f"{digest}/{mapped!r}".encode(), digest_size=8).digest(), "little")
-    entries = [entry for messages in _ticks(log, scenario, run_id, path.name) for entry in entries_of(messages)]
+    entries = [entry for messages in _ticks(log, scenario, run_id, name_of(path)) for entry in entries_of(messages)]
     head = {
         "run_id": str(run_id),
         "mode": MEASURED,
@@ -82,7 +87,7 @@ def imported(path: Path, mapped: Map, map_path: Path) -> Made:
 
 def stem(path: Path) -> str:
     """A log's name without its endings."""
-    name = path.name
+    name = name_of(path)
     while (shorter := Path(name).stem) != name:
         name = shorter
     return name
@@ -201,7 +206,7 @@ def _facts(
     clock = log.clock
     sensors = {name: stated(mapped.signal[name], units[name], f"{map_path.name}: {name}") for name in mapped.signal}
     return {
-        "source": path.name,
+        "source": name_of(path),
         "sha256": digest,
         "form": table.form,
         "map": map_path.name,
@@ -218,7 +223,7 @@ def _facts(
             name: _signal(carried) | ({} if name == COMMAND else plain(sensors.get(name) or estimated(carried.values)))
             for name, carried in (*log.signals.items(), *log.extras.items())
         },
-        "notes": list(table.notes),
+        "notes": [*table.notes, *remarks_on(log, mapped)],
     }
 
 

@@ -64,17 +64,18 @@ KINDS = (  # in the order in which they are tried
     ),
     Kind("acceleration", ("m/s^2",), _words("acceleration acc accel beschleunigung"), _words("a")),
     Kind("force", FORCE, _words("force kraft load last cell"), _words("f")),
-    Kind(
+    Kind("p_t", PRESSURE, _words("tank return ruecklauf rücklauf tankdruck"), _words("t pt r")),
+    Kind("p2", PRESSURE, _words("cap kolbenseite bore head bottom boden"), _words("a pa")),
+    Kind("p3", PRESSURE, _words("rod stange stangenseite ring ringseite annulus"), _words("b pb")),
+    Kind(  # the last: its letter p is in the name of every pressure
         "p_p",
         PRESSURE,
         _words("supply pump pumpe versorgung system sys source druckversorgung speisedruck"),
         _words("p0 ps pp s p"),
     ),
-    Kind("p_t", PRESSURE, _words("tank return ruecklauf rücklauf tankdruck"), _words("t pt r")),
-    Kind("p2", PRESSURE, _words("cap kolbenseite bore head bottom boden"), _words("a pa")),
-    Kind("p3", PRESSURE, _words("rod stange stangenseite ring ringseite annulus"), _words("b pb")),
 )
 BOOKKEEPING = _words("sequence seq counter index stamp timestamp tick ticks id zaehler zähler")  # never a signal
+OWN_BOOKKEEPING = ("command.source", "command.apply_at")  # of our messages; elsewhere a source is one of pressure
 SAID_PRESSURE = frozenset(("p", "pressure", "press", "druck"))  # where no unit says so
 
 
@@ -90,17 +91,18 @@ def candidates(column: Column) -> list[tuple[str, Sure, str]]:
     if group == "measurement" and own in CHANNELS:
         return [(own, Sure.OWN, "named as `hydrotwin export` does")]
     words = parts_of(_without_unit(column))
-    if BOOKKEEPING & set(words):
+    if BOOKKEEPING & set(words) or column.name.endswith(OWN_BOOKKEEPING):
         return []
     pairs = {a + b for a, b in pairwise(words)}
+    fits = f" and unit {column.unit}" if si else ", no unit"
     found = []
     for kind in KINDS:
         if si not in kind.si or (kind.si == PRESSURE and not si and not SAID_PRESSURE & set(words)):
             continue
         if hit := next((word for word in words if word in kind.words), None):
-            found.append((kind.signal, Sure.SURE if si else Sure.LIKELY, f"name {hit!r}"))
+            found.append((kind.signal, Sure.SURE if si else Sure.LIKELY, f"name {hit!r}{fits}"))
         elif hit := next((word for word in (*words, *sorted(pairs)) if word in kind.letters), None):
-            found.append((kind.signal, Sure.LIKELY if si else Sure.UNSURE, f"letter {hit!r}"))
+            found.append((kind.signal, Sure.LIKELY if si else Sure.UNSURE, f"letter {hit!r}{fits}"))
     return sorted(found, key=lambda entry: -entry[1])
 
 
