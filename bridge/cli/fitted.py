@@ -78,7 +78,7 @@ def plain(found: "Judged") -> dict[str, Any]:
         "white": not known.robust,
         "segment": _finite(found.found.length),
         "converged": found.found.converged,
-        "simulations": found.found.runs,
+        "simulations": found.runs,
         "seconds": found.seconds,
         "alone": None if found.ranked is None else _alone(found.ranked),
         "starts": None if found.starts is None else found.starts.rms,
@@ -119,14 +119,13 @@ def residual_rows(found: "Judged", held: bool = False) -> Iterator[tuple[str, ..
     """One row for each signal of each record; held: of those that were not fitted."""
     from bridge.scenario.units import shown
 
-    rows = found.judged if held else found.known.whiteness
-    before = [None] * len(rows) if held else found.before
-    for one, first in zip(rows, before, strict=True):
+    rows, before = (found.judged, []) if held else (found.known.whiteness, found.before)
+    for number, one in enumerate(rows):
         factor, unit = shown(one.unit)
         told = "noise" if one.passed else f"correlation {one.correlation:.2f}"
         yield (
             one.record, one.signal, f"{one.rms * factor:.3g} {unit}", f"{one.share:.2%}", f"{one.deviations:.2f}",
-            "" if first is None else f"{first.deviations:.2f}", told,
+            *([f"{before[number].deviations:.2f}"] if before else []), told,
         )  # fmt: skip
 
 
@@ -134,4 +133,4 @@ def followed(found: "Judged") -> str:
     """Over which stretches the twin has followed the data, and at what cost."""
     length = found.found.length
     words = "over whole recordings" if length == math.inf else f"over stretches of {length:g} s"
-    return f"The twin follows the data {words}; {found.found.runs} simulations, {found.seconds:.0f} s of CPU."
+    return f"The twin follows the data {words}; {found.runs} simulations, {found.seconds:.0f} s of CPU."

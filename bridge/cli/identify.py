@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from bridge.cli.options import AS_JSON, CHANGES, SCHEDULER, WORKERS, there
-from bridge.cli.outputs import own_folder, print_json
+from bridge.cli.outputs import print_json, to_write
 from bridge.cli.streams import said_when_interrupted
 from bridge.errors import UsageError
 
@@ -39,7 +39,9 @@ PRIOR = Annotated[
 ]
 NOISE = Annotated[
     list[str] | None,
-    typer.Option("--noise", metavar="SIGNAL=RMS", help="Noise of a signal, p2='0.05 bar'. Repeatable."),
+    typer.Option(
+        "--noise", metavar="SIGNAL=RMS", help="Noise of a signal, p2='0.05 bar'; a bare number is SI. Repeatable."
+    ),
 ]
 SEGMENT = Annotated[
     str | None,
@@ -114,8 +116,8 @@ def identify(
     wanted = wanted._replace(each=each)
     from bridge.studies.sweep.engine import Crew
 
-    path = output or own_folder("identify") / "fitted.toml"
-    found = _found(wanted, starts, path, Crew(workers, scheduler))
+    with to_write(output, "identify", "fitted.toml") as path:
+        found = _found(wanted, starts, path, Crew(workers, scheduler))
     _show(found, extends, changes or [], path, report, as_json)
 
 
@@ -144,17 +146,12 @@ def _wanted(
     return wanted, extends
 
 
-def _noise(text: str) -> tuple[str, float]:
-    from bridge.scenario.units import si
-
+def _noise(text: str) -> tuple[str, str]:
+    """Signal, and what is said of it: which unit fits is known where recordings are read."""
     name, _, value = (part.strip() for part in text.partition("="))
-    try:
-        found = si(value)
-    except ValueError as error:
-        raise UsageError(f"--noise {text}: {error}") from None
-    if not name or not isinstance(found, float) or not found > 0.0:
+    if not name or not value:
         raise UsageError(f"--noise {text!r}: write SIGNAL=RMS, such as p2='0.05 bar'")
-    return name, found
+    return name, value
 
 
 def _suggest(
@@ -179,10 +176,10 @@ def _suggest(
     if output is not None:
         refuse_foreign(output)
     asked = asked_of(rig, changes, numbers, limits)
-    path = output or own_folder("identify") / "excitation.toml"
-    part = path.with_suffix(".part")
-    with said_when_interrupted(continuation(path, part)):
-        found = suggest(asked, tries, part, Crew(*crew))
+    with to_write(output, "identify", "excitation.toml") as path:
+        part = path.with_suffix(".part")
+        with said_when_interrupted(continuation(path, part)):
+            found = suggest(asked, tries, part, Crew(*crew))
     write_suggestion(found, rig, changes, asked.duration, path)
     if as_json:
         print_json(plain_suggestion(found) | {"files": [str(path)]})
@@ -225,17 +222,18 @@ def _print(found: "Judged") -> None:
     from bridge.cli.tables import print_table
 
     if found.ranked is not None:
-        print_table(("each alone", "at first", "fitted", "times the noise left"), ranked_rows(found.ranked))
+        heads = ("each alone", "at first", "over short stretches", "times the noise left")
+        print_table(heads, ranked_rows(found.ranked))
         print(f"{found.ranked.words}.\n")
     print_table(("number", "at first", "fitted", "95 % interval", "error", ""), number_rows(found))
     for line in _remarks(found):
         print(line)
     print(f"\n{followed(found)}")
-    head = ("recording", "signal", "rms left", "of the motion", "times the noise", "before", "")
-    print_table(head, residual_rows(found))
+    head = ("recording", "signal", "rms left", "of the motion", "times the noise")
+    print_table((*head, "times the noise at first", ""), residual_rows(found))
     if found.judged:
         print("\nJudged on recordings that were not fitted:")
-        print_table(head, residual_rows(found, True))
+        print_table((*head, ""), residual_rows(found, True))
 
 
 def _remarks(found: "Judged") -> list[str]:
@@ -250,5 +248,6 @@ def _remarks(found: "Judged") -> list[str]:
         )
     if found.starts is not None:
         lines.append(f"{found.starts.words}.")
-    notes = [f"{r.name}: {note}." for r in found.found.task.records for note in r.notes]
+    records = [*found.found.task.records, *([] if found.held is None else found.held.task.records)]
+    notes = [f"{r.name}: {note}." for r in records for note in r.told]
     return lines + notes + ([] if found.found.converged else ["The fit has not converged: start nearer."])

@@ -3,7 +3,8 @@
 import json
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,19 @@ def write_text(path: Path | None, text: str) -> bool:
         complain(str(error))
         return False
     return True
+
+
+@contextmanager
+def to_write(output: Path | None, verb: str, name: str) -> Iterator[Path]:
+    """A file to write: that which was named, or one in a folder of this call, which goes where nothing is found."""
+    path = output or own_folder(verb) / name
+    try:
+        yield path
+    except BaseException:
+        if output is None:
+            with suppress(OSError):
+                path.parent.rmdir()
+        raise
 
 
 def own_folder(verb: str) -> Path:

@@ -107,6 +107,8 @@ def continuation(output: Path, part: Path) -> Callable[[], str]:
         own = any(word in ("-o", "--output") or word.startswith(("-o", "--output=")) for word in sys.argv[1:])
         where = [] if own else ["-o", str(output)]
         again = shlex.join(["hydrotwin", *(sys.argv[1:] if own else command), *where])
+        if not done:
+            return "interrupted; nothing is kept"
         return f"interrupted; {done} run{'s' * (done != 1)} kept in {part}; to continue: {again}"
 
     return words

@@ -132,8 +132,8 @@ def _pictures(found: "Fitted", which: str) -> list[str]:
             f"{which}{number}",
             f"{record.name}, {'fitted' if which == 'fitted' else 'not fitted'}",
             f"<figure>{svg(_drawn(found, number), f'{which}{number}', record.name)}<figcaption>Measured and simulated, "
-            "and below each what is left, in deviations of the noise: the mean, and pale how far it goes; dotted "
-            "where the simulation starts anew.</figcaption></figure>",
+            "and below each what is left, in deviations of the noise: the mean, and pale how far it goes, with gaps "
+            "where nothing is compared; dotted where the simulation starts anew.</figcaption></figure>",
         )
         for number, record in enumerate(found.task.records)
     ]
@@ -151,7 +151,9 @@ def _drawn(found: "Fitted", number: int) -> Any:
         for label, shot, at in _labelled(pairs):
             span = record.period * np.arange(shot.begin + 1, shot.end + 1)
             _curve(upper, span, factor * at.reading[j], LIGHT["blue"], label)
-            _curve(lower, span, at.residual.reshape(len(record.signals), -1)[j], LIGHT["red"], "")
+            left = at.residual.reshape(len(record.signals), -1)[j]
+            compared = signal.counted[shot.begin + 1 : shot.end + 1]
+            _curve(lower, span, np.where(compared, left, np.nan), LIGHT["red"], "")
             if shot.begin != pairs[0][0].begin:
                 lower.axvline(record.period * shot.begin, color="#999", linewidth=0.6, linestyle=":")
         upper.set_ylabel(f"{signal.name} [{unit}]", fontsize=9)

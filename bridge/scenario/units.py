@@ -161,13 +161,20 @@ def interval(name: str, text: str, above: bool = True) -> tuple[float, float]:
     return ends
 
 
+def once(what: str, sign: str, text: str, error: ValueError) -> str:
+    """What is said of a text that has been given to something: the text once, though the error may begin with it."""
+    words = str(error)
+    return f"{what}{sign if words.startswith(repr(text)) else ': '}{words}"
+
+
 def option(name: str, text: str, unit: str, least: float = -math.inf, above: float = -math.inf) -> float:
     """The value of a command's option in SI. Raises UsageError naming the option and what it takes."""
     try:
         found = quantity(text, unit)
     except ValueError as error:
-        raise UsageError(f"--{name} {text!r}: {error}") from None
+        raise UsageError(once(f"--{name}", " ", text, error)) from None
     if abs(found) < LARGEST and found >= least and found > above:
         return found
-    limits = ((least, f"at least {least:g}"), (above, f"above {above:g}"), (0.0, "finite"))
-    raise UsageError(f"--{name} {text!r}: must be {next(words for limit, words in limits if math.isfinite(limit))}")
+    limits = ((least, f"at least {least:g} {unit}"), (above, f"above {above:g} {unit}"), (0.0, "finite"))
+    words = next(words for limit, words in limits if math.isfinite(limit))
+    raise UsageError(f"--{name} {text!r}: must be {words}".rstrip())

@@ -374,7 +374,7 @@ def test_noise_is_stated_or_estimated(tmp_path):
     content = "t_s,u,x_mm,p_bar\n" + "".join(f"{t:.3f},{u},{x:.3f},{p:.6f}\n" for t, u, x, p in lines)
     own = 'x_mm"\nrange = ["0 mm", "300 mm"]\nbits = 12\nnoise = "0.5 LSB'
     sensors = measured(taken(tmp_path, content, position=own).recording).sensors
-    assert sensors["position"] == (pytest.approx(0.15 / 4096), pytest.approx(0.3 / 4096), True)
+    assert sensors["position"] == (pytest.approx(0.15 / 4096), pytest.approx(0.3 / 4096), True, 0.0, 0.3)
     assert not sensors["p2"].stated
     assert sensors["p2"].rms == pytest.approx(0.2e5, rel=0.2)
 

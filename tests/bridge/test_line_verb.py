@@ -130,7 +130,7 @@ def test_a_branch_is_in_table_and_picture(tmp_path: Path):
         (("--friction", "moody"), "friction 'moody' unknown; known: none"),
         (("--length", "-1 m"), "--length '-1 m': must be above 0"),
         (("--length", "3 kg"), "unit 'kg' does not fit"),
-        (("--diameter", "nan"), "--diameter 'nan': cannot read 'nan'"),
+        (("--diameter", "nan"), "--diameter: cannot read 'nan'"),
         (("--friction", "convolution", "--scheme", "fem/bdf2"), "take scheme moc"),
         (("--courant", "1.5"), "Courant number 1.5 is outside 0 < C <= 1"),
         (("--cavitation",), "take ends or nodes"),

@@ -17,7 +17,7 @@ from bridge.recording.logs.formats import read_log
 from bridge.recording.logs.map import COMMAND, REFERENCE, Map, load_map
 from bridge.recording.logs.packed import name_of
 from bridge.recording.logs.remarks import remarks_on
-from bridge.recording.logs.sensors import estimated, plain, stated
+from bridge.recording.logs.sensors import estimated, plain, sensor_of
 from bridge.recording.logs.table import Table
 from bridge.recording.made_before import is_replaced, save_whole
 from bridge.recording.reader import Recording, recording
@@ -204,7 +204,10 @@ def _facts(
 ) -> dict[str, Any]:
     """What a recording says of the log that it is from."""
     clock = log.clock
-    sensors = {name: stated(mapped.signal[name], units[name], f"{map_path.name}: {name}") for name in mapped.signal}
+    sensors = {
+        name: sensor_of(mapped.signal[name], units[name], carried.values, f"{map_path.name}: {name}")
+        for name, carried in log.signals.items()
+    }
     return {
         "source": name_of(path),
         "sha256": digest,

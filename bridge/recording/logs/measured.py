@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bridge.errors import UsageError
 from bridge.recording.imported import facts, is_measured
 from bridge.recording.logs.map import COMMAND
-from bridge.recording.logs.sensors import Sensor
+from bridge.recording.logs.sensors import Sensor, from_plain
 from bridge.recording.reader import Recording
 from bridge.recording.unheard import refused, unheard
 from bridge.scenario import Scenario
@@ -101,11 +101,7 @@ def _in_force(recording: Recording, grid: NDArray[np.int64]) -> Floats:
 
 def _of_log(recording: Recording, signals: Mapping[str, Floats]) -> dict[str, Sensor]:
     told: Mapping[str, Any] = facts(recording).get("signals", {})
-    return {name: _sensor(told.get(name, {})) for name in signals}
-
-
-def _sensor(told: Mapping[str, Any]) -> Sensor:
-    return Sensor(float(told.get("noise") or 0.0), float(told.get("quantum") or 0.0), bool(told.get("stated")))
+    return {name: from_plain(told.get(name, {})) for name in signals}
 
 
 def _of_card(scenario: Scenario, signals: Mapping[str, Floats]) -> dict[str, Sensor]:
@@ -116,5 +112,6 @@ def _of_card(scenario: Scenario, signals: Mapping[str, Floats]) -> dict[str, Sen
         channel = further.get(name) or CHANNELS[name]
         span = float(getattr(daq, channel.span)) if channel.span else 1.0
         lsb = (2.0 if channel.signed else 1.0) * span / 2.0**daq.bits
-        found[name] = Sensor(daq.noise * lsb, lsb if daq.quantise else 0.0, True)
+        ends = (-span if channel.signed else 0.0, span) if daq.clip else (-np.inf, np.inf)
+        found[name] = Sensor(daq.noise * lsb, lsb if daq.quantise else 0.0, True, *ends)
     return found

@@ -1,6 +1,7 @@
-"""What is known of the sensors of a log: noise before the converter, and its quantum; stated, else estimated."""
+"""What is known of the sensors of a log: noise before the converter, and its quantum; stated, else estimated; range."""
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,11 +19,13 @@ MEDIAN = 0.6745  # of the absolute values of a normal distribution of rms 1
 
 
 class Sensor(NamedTuple):
-    """Noise of a signal, SI."""
+    """Noise of a signal, and its range, SI."""
 
     noise: float  # rms before the converter
     quantum: float  # of the converter; 0: none
-    stated: bool  # False: estimated from the data
+    stated: bool  # False: the noise is estimated from the data
+    low: float = -math.inf  # ends of the range: a reading there says only that the signal was no nearer
+    high: float = math.inf
 
     @property
     def rms(self) -> float:
@@ -30,17 +33,23 @@ class Sensor(NamedTuple):
         return math.hypot(self.noise, self.quantum / ROOT_12)
 
 
-def stated(entry: Signal, unit: str, who: str) -> Sensor | None:
-    """What a map says of a sensor; None where it says nothing. Raises UsageError."""
-    quantum = 0.0
-    if entry.range is not None:
-        low, high = (si_of(end, unit, f"{who}: range") for end in entry.range)
-        if not high > low:
-            raise UsageError(f"{who}: range {entry.range}: the second end must be above the first")
-        quantum = (high - low) / 2.0**entry.bits if entry.bits else 0.0
-    if entry.noise is None:
-        return Sensor(0.0, quantum, True) if quantum else None
-    return Sensor(_noise(entry.noise, quantum, unit, who), quantum, True)
+def sensor_of(entry: Signal, unit: str, values: NDArray[np.float64], who: str) -> Sensor:
+    """As a map states it; the noise estimated from the values where the map says nothing of it. Raises UsageError."""
+    low, high = _ends(entry, unit, who)
+    quantum = (high - low) / 2.0**entry.bits if entry.bits and math.isfinite(high - low) else 0.0
+    if entry.noise is not None:
+        return Sensor(_noise(entry.noise, quantum, unit, who), quantum, True, low, high)
+    found = Sensor(0.0, quantum, True) if quantum else estimated(values)
+    return found._replace(low=low, high=high)
+
+
+def _ends(entry: Signal, unit: str, who: str) -> tuple[float, float]:
+    if entry.range is None:
+        return -math.inf, math.inf
+    low, high = (si_of(end, unit, f"{who}: range") for end in entry.range)
+    if not high > low:
+        raise UsageError(f"{who}: range {entry.range}: the second end must be above the first")
+    return low, high
 
 
 def _noise(noise: float | str, quantum: float, unit: str, who: str) -> float:
@@ -90,6 +99,14 @@ def quantum(values: NDArray[np.float64]) -> float:
     return float(np.polyfit(counts, levels, 1)[0]) if len(single) > 0.3 * len(steps) else 0.0
 
 
-def plain(sensor: Sensor | None) -> dict[str, Any]:
-    """For metadata."""
-    return {} if sensor is None else {"noise": sensor.noise, "quantum": sensor.quantum, "stated": sensor.stated}
+def plain(sensor: Sensor) -> dict[str, Any]:
+    """For metadata; an end of the range that is not known is left out."""
+    ends = {name: end for name, end in (("low", sensor.low), ("high", sensor.high)) if math.isfinite(end)}
+    return {"noise": sensor.noise, "quantum": sensor.quantum, "stated": sensor.stated, **ends}
+
+
+def from_plain(told: Mapping[str, Any]) -> Sensor:
+    """The sensor in metadata."""
+    noise, quantum = float(told.get("noise") or 0.0), float(told.get("quantum") or 0.0)
+    ends = float(told.get("low", -math.inf)), float(told.get("high", math.inf))
+    return Sensor(noise, quantum, bool(told.get("stated")), *ends)

@@ -9,7 +9,7 @@ left is compared in deviations of the noise, residuals far out tamed: a rod that
 import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -34,6 +34,7 @@ class Alone(NamedTuple):
     parameter: Parameter
     place: float  # of the parameter: of a positive number the logarithm over its start
     left: float  # tamed residual, in deviations of the noise
+    runs: int = 0  # simulations of all its stretches once
 
     @property
     def value(self) -> float:
@@ -62,10 +63,9 @@ class Ranked(NamedTuple):
                 f"at first, {self.tried[0].left:.3g} at best"
             )
         one, others = self.best, self.tried[1:]
-        next_best = f", {others[0].left:.3g} by {others[0].parameter.name}, the next best" if others else ""
-        became = f"{one.parameter.words(one.parameter.start)} became {one.parameter.words(one.value)}"
-        left = f"it leaves {one.left:.3g} times the noise{next_best}, {self.before:.3g} at first"
-        return f"{one.parameter.name} explains most: {became}; {left}"
+        next_best = f"{others[0].parameter.name}, the next best, {others[0].left:.3g}, and " if others else ""
+        left = f"alone it leaves {one.left:.3g} times the noise over stretches of {SHORT:g} s"
+        return f"{one.parameter.name} explains most: {left}; {next_best}the numbers at first {self.before:.3g}"
 
 
 def ranked(
@@ -98,9 +98,11 @@ def _alone(task: Task, crew: Executor | None) -> Alone:
     best = int(np.argmin(found))
     ends = places[max(0, best - 1)], places[min(len(places) - 1, best + 1)]
     options = {"xatol": CLOSE * one.prior, "maxiter": MOST}
-    between = minimize_scalar(left, bounds=ends, method="bounded", options=options)
+    between: Any = minimize_scalar(left, bounds=ends, method="bounded", options=options)
     place = float(between.x) if between.fun < found[best] else places[best]
-    return Alone(one, place, _left(task, np.array([place]), crew))
+    afresh = Residuals(task, crew)
+    final = _tamed(task, afresh.at(np.array([place])))
+    return Alone(one, place, final, residuals.runs + afresh.runs)
 
 
 def _left(task: Task, places: Array, crew: Executor | None) -> float:

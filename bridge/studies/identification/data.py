@@ -1,5 +1,6 @@
 """What a fit is made from: what acted on the valve, and what was measured, sample by sample."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,8 @@ TAPS = tuple(CHANNELS)
 STILL, SETTLING = 2e-3, 0.05  # share of the travel, and time [s] after which a valve that is shut counts as so
 MOVED = 10.0  # deviations of the noise in SETTLING: slower is creeping
 CHAMBERS = ("p2", "p3", "p_lower", "p_upper")
+SHORTEST, FEWEST = 1.0, 200  # [s], and samples, of a record: longer than the run that leads to a start
+MOST_TOLD = 0.95  # share of samples that are compared, from which on nothing is said of the others
 
 
 class Measured(NamedTuple):
@@ -25,6 +28,7 @@ class Measured(NamedTuple):
     deviation: float  # standard deviation of noise and rounding [SI]
     counted: NDArray[np.bool_]  # samples that are compared: read, and not at an end of the range
     lead: float = 0.0  # how much earlier than the sample it is read, in internal steps
+    note: str = ""  # on its deviation
 
 
 class Record(NamedTuple):
@@ -37,6 +41,11 @@ class Record(NamedTuple):
     first: NDArray[np.int64]  # stretch with which each sample begins, and behind the last the number of stretches
     signals: tuple[Measured, ...]
     notes: tuple[str, ...] = ()
+
+    @property
+    def told(self) -> list[str]:
+        """What whoever reads a result should know of it and its signals."""
+        return [*self.notes, *(signal.note for signal in self.signals if signal.note)]
 
     @property
     def samples(self) -> int:
@@ -57,6 +66,21 @@ class Record(NamedTuple):
         part = slice(self.first[begin + 1], self.first[end + 1])
         reference, steps, row = self.stretches.reference[part], self.stretches.steps[part], self.stretches.row[part]
         return Stretches(reference.copy(), steps.copy(), np.where(row < 0, row, row - begin - 1))
+
+
+def least(period: float) -> int:
+    """How many samples a record needs."""
+    return max(FEWEST, round(SHORTEST / period))
+
+
+def uncompared(name: str, counted: NDArray[np.bool_]) -> tuple[str, ...]:
+    """What is said of a signal of which many samples are not compared."""
+    if counted.mean() > MOST_TOLD:
+        return ()
+    return (
+        f"of {name} {counted.sum()} of {len(counted)} samples are compared: the others are missing, or within some "
+        "samples of an end of the sensor's range",
+    )
 
 
 def held(references: Array, steps: int) -> tuple[Stretches, NDArray[np.int64]]:
@@ -104,7 +128,7 @@ def _moves(record: Record, reach: int) -> NDArray[np.bool_]:
     return moved > MOVED * signal.deviation
 
 
-def with_noise(record: Record, deviations: dict[str, float]) -> Record:
-    """The record with other deviations of the noise [SI], by signal."""
-    signals = [s._replace(deviation=deviations.get(s.name, s.deviation)) for s in record.signals]
-    return record._replace(signals=tuple(signals))
+def with_noise(record: Record, deviations: Mapping[str, tuple[float, str]]) -> Record:
+    """The record with other deviations of the noise [SI] and notes on them, by signal."""
+    others = {name: {"deviation": value, "note": note} for name, (value, note) in deviations.items()}
+    return record._replace(signals=tuple(s._replace(**others.get(s.name, {})) for s in record.signals))

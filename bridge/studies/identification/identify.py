@@ -9,10 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bridge.errors import UsageError
+from bridge.recording.imported import facts
 from bridge.scenario import Scenario, changed, check, load
+from bridge.scenario.units import once
 from bridge.studies.identification.alone import Ranked, ranked
 from bridge.studies.identification.data import Record, in_steps, only_moving, with_noise
 from bridge.studies.identification.fit import Fitted, Values, fit
+from bridge.studies.identification.noise import stated_by_hand
 from bridge.studies.identification.parameters import Parameter, parameters_of, priors_of
 from bridge.studies.identification.recorded import record_of, same_grid
 from bridge.studies.identification.residuals import Residuals, Task
@@ -32,7 +35,7 @@ class Wanted(NamedTuple):
     scenario: Mapping[str, Any]  # the rig to start with, as plain data
     fit: tuple[str, ...]
     priors: tuple[str, ...] = ()
-    noise: tuple[tuple[str, float], ...] = ()  # deviations [SI]
+    noise: tuple[tuple[str, str], ...] = ()  # deviations by signal, as written: "0.05 bar"; SI without a unit
     length: float | None = None  # of shots [s]
     moving: bool = False
     each: bool = False  # find the one number that explains most, and fit that alone
@@ -58,7 +61,12 @@ class Judged(NamedTuple):
     before: list[Whiteness]  # the fitted recordings with the numbers to start with
     starts: Starts | None
     ranked: Ranked | None  # each number alone
-    seconds: float  # CPU, of the fit
+    seconds: float  # CPU, of all that this process has done for it
+
+    @property
+    def runs(self) -> int:
+        """Simulations of all stretches once, of each number alone as well."""
+        return self.found.runs + (0 if self.ranked is None else sum(one.runs for one in self.ranked.tried))
 
 
 def prepared(wanted: Wanted) -> Prepared:
@@ -80,12 +88,22 @@ def records_of(wanted: Wanted, files: Sequence[str]) -> list[Record]:
             raise UsageError(f"{file}: {error}; take another loop.step") from None
         if record.signal("position") is None:
             raise UsageError(f"{file}: holds no position; without one nothing says where the rod is")
-        names = [signal.name for signal in record.signals]
-        if strange := [name for name, _ in wanted.noise if name not in names]:
-            raise UsageError(f"--noise {strange[0]}: {file} has {', '.join(names)}")
-        record = with_noise(record, dict(wanted.noise))
+        record = with_noise(record, deviations_of(wanted.noise, record, file))
         found.append(only_moving(record) if wanted.moving else record)
     same_grid(found)
+    return found
+
+
+def deviations_of(noise: Sequence[tuple[str, str]], record: Record, file: str) -> dict[str, tuple[float, str]]:
+    """Deviations of signals of a record [SI], and notes on them. Raises UsageError."""
+    units, found = {signal.name: signal.unit for signal in record.signals}, {}
+    for name, text in noise:
+        if name not in units:
+            raise UsageError(f"--noise {name}: {file} has {', '.join(units)}")
+        try:
+            found[name] = stated_by_hand(name, text, units[name])
+        except ValueError as error:
+            raise UsageError(once(f"--noise {name}", "=", text, error)) from None
     return found
 
 
@@ -93,6 +111,7 @@ def identify(wanted: Wanted, starts: int, part: Path | None, crew: Crew) -> Judg
     """Fit, and judge. Raises UsageError, RunError."""
     import time
 
+    began = time.process_time()
     ready = prepared(wanted)
     held = records_of(wanted, wanted.judge)
     with threads(crew) as own:
@@ -101,19 +120,17 @@ def identify(wanted: Wanted, starts: int, part: Path | None, crew: Crew) -> Judg
             best = order.tried[0].parameter.name
             ready = ready._replace(parameters=[one for one in ready.parameters if one.name == best])
         several = from_several(wanted, ready.parameters, starts, part, crew) if starts > 1 else None
-        began = time.process_time()
         start = np.array([order.tried[0].place]) if order is not None else None
         if several is not None:
             start = several.best
         found = fit(*ready, start=start, length=wanted.length, crew=own)
-        seconds = time.process_time() - began
         before = found._replace(places=0.0 * found.places, shots=Residuals(found.task, own).afresh(0.0 * found.places))
         other = on_others(found, held, own) if held else None
     scenario = check(dict(wanted.scenario), "the rig")
     judged = [] if other is None else whiteness(other)
-    return Judged(
-        wanted, scenario, found, uncertainty(found), other, judged, whiteness(before), several, order, seconds
-    )
+    known, first = uncertainty(found), whiteness(before)
+    seconds = time.process_time() - began
+    return Judged(wanted, scenario, found, known, other, judged, first, several, order, seconds)
 
 
 def on_others(found: Fitted, records: Sequence[Record], crew: Executor | None = None) -> Fitted:
@@ -135,11 +152,14 @@ def scenario_of(rig: str | None, changes: list[str], files: Sequence[str]) -> tu
 
     if rig is not None:
         return load(rig, changes), rig
-    recorded = read(Path(files[0]), ()).scenario()
-    if recorded.name not in names():
-        raise UsageError(f"{files[0]} is of the scenario {recorded.name!r}, which is not built in: name it with --rig")
+    recording = read(Path(files[0]), ())
+    recorded = recording.scenario()
+    mapped = facts(recording).get("mapped", {})
+    extends = str(mapped.get("rig", recorded.name))
+    if extends not in names():
+        raise UsageError(f"{files[0]} is of the rig {extends!r}, which is not built in: name its file with --rig")
     known = changed(recorded.model_dump(mode="json"), changes, files[0]) if changes else recorded
-    return known, recorded.name
+    return known, extends
 
 
 __all__ = ["Judged", "Task", "Wanted", "identify", "scenario_of"]

@@ -4,6 +4,7 @@ A positive number is fitted by its logarithm, any other in shares of itself or o
 normal distribution about the scenario's own value: of a logarithm a factor of ten to either side, unless it is stated.
 """
 
+import difflib
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bridge.errors import UsageError, nearest
+from bridge.errors import LIKENESS, LONGEST_WORD, SLIP, UsageError, nearest
 from bridge.scenario.places import in_unit
 from bridge.scenario.units import UNITS, quantity, shown, split
 from twin.quantity import Number
@@ -26,6 +27,7 @@ WIDE = math.log(10.0)  # deviation of what is known before, of a logarithm or in
 SHARE = 0.1  # of a range, where the value itself is zero
 PLAIN = 1e-2  # scale of a number that is zero and has no range
 DIGITS = 8
+LISTED = "`hydrotwin describe SCENARIO` lists the numbers of a rig"
 
 
 class Parameter(NamedTuple):
@@ -95,14 +97,22 @@ def _parameter(text: str, scenario: "Scenario", priors: Mapping[str, float]) -> 
 
 
 def _entry(name: str) -> Number:
-    places = [f"rig.{part}.{key}" for part, entries in RIG.items() for key in entries]
-    if name not in places:
-        raise UsageError(f"--fit {name!r} is not a number of the rig{nearest(name, places)}")
-    _, part, key = name.split(".")
-    entry = RIG[part][key]
+    places = {f"rig.{part}.{key}": entry for part, entries in RIG.items() for key, entry in entries.items()}
+    entry = places.get(name)
+    if entry is None:
+        numbers = [place for place, one in places.items() if isinstance(one, Number)]
+        raise UsageError(f"--fit {name!r} is not a number of the rig{_meant(name, numbers)} {LISTED}")
     if not isinstance(entry, Number):
-        raise UsageError(f"--fit {name} is not a number: it is {entry.value!r}")
+        raise UsageError(f"--fit {name} is not a number: it is {entry.value!r}; {LISTED}")
     return entry
+
+
+def _meant(name: str, numbers: Sequence[str]) -> str:
+    """One number that is almost of this name, else a few like it; all are too many to print."""
+    word = name[:LONGEST_WORD]
+    slip = difflib.get_close_matches(word, numbers, n=1, cutoff=SLIP)
+    near = slip or difflib.get_close_matches(word, numbers, n=3, cutoff=LIKENESS)
+    return f"; did you mean {' or '.join(near)}?" if near else ":"
 
 
 def _limits(name: str, text: str, entry: Number) -> tuple[float, float]:
@@ -117,9 +127,17 @@ def _limits(name: str, text: str, entry: Number) -> tuple[float, float]:
         ends = [quantity(end if split(end)[1] else f"{end} {known}", entry.unit) for end in (low, high)]
     except ValueError as error:
         raise UsageError(f"--fit {name}={text}: {error}") from None
-    if not max(entry.low, ends[0]) < min(entry.high, ends[1]):
+    beyond = (-math.inf < ends[0] < entry.low, "low", entry.low), (entry.high < ends[1] < math.inf, "high", entry.high)
+    for is_beyond, way, end in beyond:
+        if is_beyond:
+            what = "least" if way == "low" else "greatest"
+            raise UsageError(
+                f"--fit {name}={text}: is too {way}: the {what} that a scenario takes is {end:g} {entry.unit}"
+            )
+    found = max(entry.low, ends[0]), min(entry.high, ends[1])
+    if not found[0] < found[1]:
         raise UsageError(f"--fit {name}={text}: must rise, within {entry.low:g} and {entry.high:g} {entry.unit}")
-    return max(entry.low, ends[0]), min(entry.high, ends[1])
+    return found
 
 
 def _scale(start: float, low: float, high: float) -> float:

@@ -13,8 +13,8 @@ from bridge.recording.reader import Recording, read
 from bridge.recording.unheard import refused, unheard
 from bridge.scenario import Scenario
 from bridge.scenario.channels import chosen
-from bridge.studies.identification.data import Array, Measured, Record
-from bridge.studies.identification.imported import LEAST, imported_record
+from bridge.studies.identification.data import Array, Measured, Record, least, uncompared
+from bridge.studies.identification.imported import imported_record
 from bridge.studies.identification.noise import counted, stated
 from bridge.wire.events import ends_telling
 from bridge.wire.messages import CHANNELS_TOPIC, EventKind
@@ -46,13 +46,14 @@ def record_in(recording: Recording) -> Record:
     last = int(measurement["stamp"].max(initial=0))
     end, why = _end(recording, scenario, last)
     count = end // grid.daq + 1
-    if count < LEAST:
-        raise UsageError(f"{path}: {count} samples{why}; a fit needs at least {LEAST}")
+    period = grid.daq / NS
+    if count < (fewest := least(period)):
+        raise UsageError(f"{path}: {count} samples{why}; a fit needs {fewest}, which are {fewest * period:g} s")
     stretches, first = _stretches(recording, scenario, count)
     signals = (*_card(measurement, scenario, count), *_further(recording, scenario, count))
-    return Record(
-        name_of(path), grid.daq / NS, grid.step / NS, stretches, first, signals, (why.removeprefix(" "),) if why else ()
-    )
+    notes = [why.removeprefix(" ")] if why else []
+    notes += [note for signal in signals for note in uncompared(signal.name, signal.counted)]
+    return Record(name_of(path), period, grid.step / NS, stretches, first, signals, tuple(notes))
 
 
 def name_of(path: Path) -> str:

@@ -11,7 +11,9 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from bridge.errors import UsageError
 from bridge.studies.identification.data import TAPS, Array, Record
 from twin.actuator import areas, chamber_volumes, moduli, stored_oil
 from twin.circuit.block import compiled
@@ -27,6 +29,7 @@ from twin.topology import OBSERVED
 
 WARM_UP, WARM_SHARE = 0.3, 0.6  # [s]; share of a short shot
 FITTED_OVER = 11  # samples of the straight line that is the first guess of position and velocity
+LINE = 3  # of these that are known, at least
 POSITION_GAIN, PRESSURE_GAIN = 0.1, 0.1  # shares of a deviation that are taken back at each sample
 TICK = place_of("tick")
 X, LOWER_OIL, UPPER_OIL = place_of("piston.position"), place_of("chambers.lower"), place_of("chambers.upper")
@@ -55,15 +58,47 @@ AS_LED = Start(0.0, 0.0, 0.0)
 
 
 def shots_of(records: Sequence[Record], length: float) -> list[Shot]:
-    """Records cut into shots of a length [s] at most, all equally long; inf: one for each record."""
+    """Records cut into shots of a length [s] at most, all equally long; inf: one for each record.
+
+    A shot whose run before it would begin in a hole of the position begins later; one that is all hole is left out.
+    Raises UsageError for a record without any.
+    """
     found = []
     for number, record in enumerate(records):
         warm = max(1, round(min(WARM_UP, WARM_SHARE * length) / record.period))
         left = record.samples - 1 - warm
         count = 1 if length == np.inf else max(1, round(left * record.period / length))
         cuts = np.linspace(warm, record.samples - 1, count + 1).round().astype(int).tolist()
-        found += [Shot(number, begin - warm, begin, end) for begin, end in pairwise(cuts)]
+        known = _line_known(record)
+        shots = [_off_holes(Shot(number, begin - warm, begin, end), known) for begin, end in pairwise(cuts)]
+        own = [shot for shot in shots if shot is not None]
+        if not own:
+            raise UsageError(
+                f"{record.name}: no stretch begins where the position is known; a fit needs {LINE} samples of it among "
+                f"{FITTED_OVER}, and {(warm + FITTED_OVER) * record.period:g} s of data behind them"
+            )
+        found += own
     return found
+
+
+def _line_known(record: Record) -> NDArray[np.bool_]:
+    """Samples about which the position is known well enough for a straight line."""
+    signal = record.signal("position")
+    if signal is None:
+        return np.ones(record.samples, bool)
+    sums = np.concatenate([[0], np.cumsum(np.isfinite(signal.value))])
+    begin = np.maximum(0, np.arange(record.samples) - FITTED_OVER // 2)
+    return sums[np.minimum(begin + FITTED_OVER, record.samples)] - sums[begin] >= LINE
+
+
+def _off_holes(shot: Shot, known: NDArray[np.bool_]) -> Shot | None:
+    """The shot, begun as much later as the run before it must be; None where that leaves none."""
+    if known[shot.warm]:
+        return shot
+    later = np.flatnonzero(known[shot.warm : shot.end])
+    by = int(later[0]) if len(later) else len(known)
+    moved = shot._replace(warm=shot.warm + by, begin=shot.begin + by)
+    return moved if moved.begin + FITTED_OVER <= shot.end else None
 
 
 class Simulation:
@@ -212,5 +247,5 @@ def _line(record: Record, sample: int) -> tuple[float, float]:
     about = signal.value[begin : begin + FITTED_OVER]
     sound = np.isfinite(about)
     time = record.period * (np.arange(len(about)) + begin - sample)
-    slope, place = np.polyfit(time[sound], about[sound], 1) if sound.sum() > 2 else (0.0, float(np.nanmean(about)))
+    slope, place = np.polyfit(time[sound], about[sound], 1)
     return float(place), float(slope)
