@@ -125,6 +125,23 @@ def refusal(command: str) -> str:
     return f"there is no scenario {scenario}" if unknown else ""
 
 
+def test_the_guides_of_logs_name_files_that_are_there_or_made_before():
+    """Every command of the two sections can be given in a fresh checkout, in their order, and none undoes another."""
+    made: dict[str, str] = {"nominal-into-plant.mcap": "docs/import.md"}  # by the replay, which names it itself
+    for source, title in (("docs/import.md", "## The foreign rig"), ("docs/identify.md", "## From a log")):
+        section = TEXTS[source].partition(title)[2].partition("\n## ")[0]
+        lines = section.replace("\\\n", " ").splitlines()
+        commands = [line for line in lines if line.startswith("    hydrotwin ")]
+        assert commands
+        for command in commands:
+            words = shlex.split(command, comments=True)
+            written = {words[at + 1] for at, word in enumerate(words) if word in ("-o", "--report")}
+            for word in {word for word in words if re.fullmatch(r"[\w./-]+\.(gz|toml|mcap)", word)} - written:
+                assert word in made or (ROOT / word).is_file(), f"{source}: {word}"
+            assert all(made.get(name, source) == source or name == "nominal.mcap" for name in written)
+            made |= dict.fromkeys(written, source)
+
+
 def test_commands_within_the_text_have_verbs_and_options_that_are_there():
     unknown = []
     for source, text in TEXTS.items():
