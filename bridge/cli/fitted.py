@@ -122,11 +122,16 @@ def residual_rows(found: "Judged", held: bool = False) -> Iterator[tuple[str, ..
     rows, before = (found.judged, []) if held else (found.known.whiteness, found.before)
     for number, one in enumerate(rows):
         factor, unit = shown(one.unit)
-        told = "noise" if one.passed else f"correlation {one.correlation:.2f}"
+        told = one.verdict if one.passed else f"correlation {one.correlation:.2f}"
         yield (
-            one.record, one.signal, f"{one.rms * factor:.3g} {unit}", f"{one.share:.2%}", f"{one.deviations:.2f}",
+            one.record, one.signal, f"{one.rms * factor:.3g} {unit}", share_words(one), f"{one.deviations:.2f}",
             *([f"{before[number].deviations:.2f}"] if before else []), told,
         )  # fmt: skip
+
+
+def share_words(one: "Whiteness") -> str:
+    """The rms residual as a share of the motion."""
+    return f"{one.share:.2%}" if math.isfinite(one.share) else "-"
 
 
 def followed(found: "Judged") -> str:

@@ -34,9 +34,9 @@ def page(found: "Judged") -> str:
     """The whole page."""
     title = text(f"Fit of {found.scenario.title or found.scenario.name}")
     body = [_head(found, title), _numbers(found), _untold(found), _correlation(found)]
-    body += [_left("left", "What the fit leaves of each signal", found.known.whiteness, found.before)]
+    body.append(_left("left", "What the fit leaves of each signal", found.found, found.known.whiteness, found.before))
     if found.held is not None:
-        body.append(_left("judged", "Judged on recordings that were not fitted", found.judged, []))
+        body.append(_left("judged", "Judged on recordings that were not fitted", found.held, found.judged, []))
     body += _pictures(found.found, "fitted")
     body += [] if found.held is None else _pictures(found.held, "judged")
     return (
@@ -109,21 +109,24 @@ def _coloured(r: float, own: bool) -> str:
     return f"<span class='{'failed' if abs(r) >= STRONG else ''}'><b>{r:.2f}</b></span>"
 
 
-def _left(name: str, title: str, rows: Sequence["Whiteness"], before: Sequence["Whiteness"]) -> str:
+def _left(name: str, title: str, found: "Fitted", rows: Sequence["Whiteness"], before: Sequence["Whiteness"]) -> str:
     cells = []
     for number, one in enumerate(rows):
         factor, unit = shown(one.unit)
         first = f"{before[number].deviations:.2f}" if before else ""
-        mark = f"<span class='{'passed' if one.passed else 'failed'}'>{'noise' if one.passed else 'not noise'}</span>"
+        colour = "soft" if not one.compared else "passed" if one.passed else "failed"
+        mark = f"<span class='{colour}'>{one.verdict}</span>"
+        share = f"{one.share:.2%}" if np.isfinite(one.share) else "-"
         cells.append([
-            text(one.record), text(one.signal), f"{one.rms * factor:.3g} {unit}", f"{one.share:.2%}",
+            text(one.record), text(one.signal), f"{one.rms * factor:.3g} {unit}", share,
             f"{one.deviations:.2f}", first, f"{one.correlation:.3f}", f"{one.probability:.2g}", mark,
         ])  # fmt: skip
     heads = (
-        *("recording", "signal", "rms left", "of the motion", "times the noise", "with the numbers at first"),
-        *("greatest correlation", "Ljung-Box p", ""),
+        *("recording", "signal", "rms left", "of the motion", "times the noise"),
+        *("times the noise at first" if before else "", "greatest correlation", "Ljung-Box p", ""),
     )
-    return _section(name, title, table(heads, cells, "numbers"))
+    told = "".join(f"<p class='soft'>{text(r.name)}: {text(note)}.</p>" for r in found.task.records for note in r.told)
+    return _section(name, title, table(heads, cells, "numbers"), told)
 
 
 def _pictures(found: "Fitted", which: str) -> list[str]:
@@ -147,7 +150,7 @@ def _drawn(found: "Fitted", number: int) -> Any:
         upper, lower = axes[2 * j], axes[2 * j + 1]
         factor, unit = shown(signal.unit)
         time, value = record.period * np.arange(record.samples), factor * signal.value
-        _curve(upper, time, np.where(np.isfinite(value), value, np.nanmean(value)), LIGHT["grey"], "measured")
+        _curve(upper, time, value, LIGHT["grey"], "measured")
         for label, shot, at in _labelled(pairs):
             span = record.period * np.arange(shot.begin + 1, shot.end + 1)
             _curve(upper, span, factor * at.reading[j], LIGHT["blue"], label)

@@ -78,7 +78,7 @@ def uncompared(name: str, counted: NDArray[np.bool_]) -> tuple[str, ...]:
     if counted.mean() > MOST_TOLD:
         return ()
     return (
-        f"of {name} {counted.sum()} of {len(counted)} samples are compared: the others are missing, or within some "
+        f"{counted.sum()} of {len(counted)} samples of {name} are compared: the others are missing, or within some "
         "samples of an end of the sensor's range",
     )
 

@@ -37,11 +37,17 @@ class Whiteness(NamedTuple):
     statistic: float  # Q
     probability: float
     correlation: float  # greatest, of lags 1 .. LAGS
+    compared: int  # samples
 
     @property
     def passed(self) -> bool:
         """Is it noise?"""
         return self.deviations <= LOUD and (self.probability >= DOUBT or self.correlation <= SMALL)
+
+    @property
+    def verdict(self) -> str:
+        """The same in words."""
+        return "not compared" if not self.compared else "noise" if self.passed else "not noise"
 
     @property
     def share(self) -> float:
@@ -65,7 +71,7 @@ def whiteness(found: Fitted) -> list[Whiteness]:
             tested.append(
                 Whiteness(
                     record.name, signal.name, signal.unit, deviations * signal.deviation, deviations, motion,
-                    *ljung_box(parts, masks),
+                    *ljung_box(parts, masks), int(counted.sum()),
                 )
             )  # fmt: skip
     return tested
