@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bridge.cli.options import AS_JSON, CHANGES, CONFIG, CONNECT, MODE, PATIENCE, QUIET, ProcessMode, there
-from bridge.cli.outputs import print_json
+from bridge.cli.outputs import given_up, print_json
+from bridge.cli.streams import said_when_interrupted
 from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 
@@ -19,35 +20,47 @@ WITHOUT = Annotated[
     typer.Option(
         "--without",
         metavar="CHANNEL",
-        help="A channel that is not used, such as p3: its innovations say how well it is estimated. Repeatable.",
+        help="A channel that is not used, such as p3; the table says how well it is found without. Repeatable.",
     ),
 ]
-MEMBERS = Annotated[int, typer.Option(min=4, max=400, help="Twins in the ensemble.")]
+ENSEMBLE = "Twins in the ensemble, as many as the unknowns ask for at least: 22 for nine."
+MEMBERS = Annotated[int, typer.Option(min=4, max=400, help=ENSEMBLE)]
 FOLLOWERS = Annotated[
     int | None,
-    typer.Option(
-        "--members", min=4, max=400, help="Twins in the ensemble. [default: 24; 28 with --health]", show_default=False
-    ),
+    typer.Option("--members", min=4, max=400, help=f"{ENSEMBLE} [default: 24; 28 with --health]", show_default=False),
 ]
 EVERY = Annotated[int, typer.Option(min=1, max=1000, help="Scans between two corrections; each uses all of them.")]
 HEALTH = Annotated[bool, typer.Option("--health", help="Say which fault the rig has, if any; see docs/health.md.")]
 ALARMS = Annotated[
-    float, typer.Option("--alarms", min=1e-9, max=1000.0, help="With --health: false alarms per hour, at most.")
+    float | None,
+    typer.Option(
+        "--alarms",
+        min=1e-9,
+        max=1000.0,
+        help="With --health: false alarms per hour, at most. [default: 0.01]",
+        show_default=False,
+    ),
 ]
 COMMISSIONING = Annotated[
-    str, typer.Option(help="With --health: how long the rig is watched first, as one that is in order.")
+    str | None,
+    typer.Option(
+        help="With --health: how long the rig is watched first, as one that is in order. [default: 30 s]",
+        show_default=False,
+    ),
 ]
+OF_A_RIG = ("mode", "connect", "zenoh_config", "patience", "quiet", "listen_for")  # options that a recording has not
 
 
 def follow(
+    context: typer.Context,
     rig: Annotated[str, typer.Argument(help="Name of a rig that runs, or a recording, .mcap.", metavar="RIG|FILE")],
     changes: CHANGES = None,
     without: WITHOUT = None,
     members: FOLLOWERS = None,
     every: EVERY = 5,
     health: HEALTH = False,
-    alarms: ALARMS = 0.01,
-    commissioning: COMMISSIONING = "30 s",
+    alarms: ALARMS = None,
+    commissioning: COMMISSIONING = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -67,6 +80,12 @@ def follow(
     `innovation`, until its plant ends; a recorder keeps them. Of a recording FILE-followed.mcap has them beside all
     that was in it. --set changes the scenario that the twins know of. --health adds the key `health`.
     """
+    if not health:
+        _refuse(context, ("alarms", "commissioning"), "is of --health, which is not asked for")
+    if is_file(rig):
+        _refuse(context, OF_A_RIG, f"is of a rig that runs, and {rig} is a recording")
+    else:
+        _refuse(context, ("output",), f"is of a recording; what is said of rig {rig!r} `hydrotwin record` keeps")
     from twin.estimation.settings import Settings
 
     rules = _rules(alarms, commissioning) if health else None
@@ -89,15 +108,31 @@ def follow(
         return
     from bridge.cli.follow_printing import print_report
 
-    print_report(done)
+    print_report(done, rules, settings.without)
 
 
-def _rules(alarms: float, commissioning: str) -> "Rules":
+def _refuse(context: typer.Context, names: tuple[str, ...], why: str) -> None:
+    """Raises UsageError for the first of some options that was given."""
+    from bridge.errors import UsageError
+
+    for name in names:
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            raise UsageError(f"--{name.replace('_', '-')} {why}; leave it out")
+
+
+def _rules(alarms: float | None, commissioning: str | None) -> "Rules":
     from bridge.cli.options import nanoseconds
+    from bridge.errors import UsageError
     from twin.estimation.health import Rules
 
-    rules = Rules(alarms_per_hour=alarms)
-    return rules._replace(commissioning=round(nanoseconds("commissioning", commissioning) / 1e9 / rules.look))
+    rules = Rules() if alarms is None else Rules(alarms_per_hour=alarms)
+    if commissioning is None:
+        return rules
+    looks, window = round(nanoseconds("commissioning", commissioning) / 1e9 / rules.look), rules.window * rules.look
+    if looks < 3 * rules.window:
+        raise UsageError(f"--commissioning {commissioning}: at least {3 * window:g} s, three windows of {window:g} s")
+    return rules._replace(commissioning=looks)
 
 
 def _refuse_few(members: int) -> None:
@@ -122,14 +157,17 @@ def _follow_file(
     from bridge.cli.follow_printing import print_followed
     from bridge.replay.followed import follow_recording
 
-    done = follow_recording(file, output or file.with_stem(f"{file.stem}-followed"), changes, settings, rules)
+    path = output or Path(f"{file.with_suffix('')}-followed.mcap")
+    with said_when_interrupted(lambda: given_up(path)):
+        done = follow_recording(file, path, changes, settings, rules)
     if as_json:
         print_json(done.plain())
     else:
-        print_followed(done)
+        print_followed(done, rules)
 
 
 def whatif(
+    context: typer.Context,
     rig: Annotated[str, typer.Argument(help="Name of a rig that runs, or a recording, .mcap.", metavar="RIG|FILE")],
     changes: Annotated[
         list[str] | None,
@@ -167,6 +205,10 @@ def whatif(
     from bridge.replay.whatif import band_of, from_file, what_if
     from twin.estimation.settings import Settings
 
+    if is_file(rig):
+        _refuse(context, OF_A_RIG, f"is of a rig that runs, and {rig} is a recording")
+    else:
+        _refuse(context, ("at",), f"is of a recording, and {rig!r} is a rig that runs")
     ahead, settings, wanted = nanoseconds("horizon", horizon), Settings(members=members), dict(map(pair, changes or []))
     for text in expect or []:
         band_of(text)

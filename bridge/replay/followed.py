@@ -8,18 +8,25 @@ from typing import Any, NamedTuple
 from bridge.errors import UsageError
 from bridge.loop.follower import FollowerSide
 from bridge.loop.health import HealthSide, plain, watching
-from bridge.machine.process import Stop
 from bridge.recording.entries import Entries, Entry
+from bridge.recording.innovations import Missed, missed
+from bridge.recording.made_before import is_replaced, save_whole
 from bridge.recording.reader import Recording, read
-from bridge.recording.writer import entries_of, save
+from bridge.recording.verdicts import verdicts_of
+from bridge.recording.writer import entries_of
 from bridge.replay.into_follower import through_follower
 from bridge.scenario import changed
 from bridge.wire.messages import ESTIMATE, HEALTH, INNOVATION, TOPICS
-from twin.estimation.filter import Estimate
+from controller.grid import NS
+from twin.estimation.filter import Estimate, Innovation
 from twin.estimation.health import Rules
+from twin.estimation.hypotheses import Verdict
 from twin.estimation.quantities import ESTIMATED, UNKNOWNS, Standing, Use
 from twin.estimation.settings import Settings
+from twin.topology import CHANNELS
 
+FACTS = "followed"  # record of facts about what was followed
+LEFT_OUT = "left out"  # by --without
 MADE = (ESTIMATE, INNOVATION, HEALTH)
 
 
@@ -27,29 +34,37 @@ class Followed(NamedTuple):
     """How it went."""
 
     output: Path
+    replaced: bool  # a file that was made by following before
     estimates: int
     restarts: int
     seconds: dict[str, float]  # by standing
     latest: Estimate
+    missed: dict[str, Missed]  # by channel
+    without: tuple[str, ...]  # channels
     health: HealthSide | None
+    judged: bool  # was there a verdict on its health?
 
     def plain(self) -> dict[str, Any]:
-        """For JSON."""
+        """For JSON; NaN for what is not known."""
         last = self.latest
         return {
             "output": str(self.output),
+            "replaced": self.replaced,
             "estimates": self.estimates,
             "restarts": self.restarts,
             "seconds": self.seconds,
             "time": last.stamp,
-            "health": None if self.health is None else plain(self.health.latest),
+            "health": None if self.health is None else plain(self.health.latest) | {"judged": self.judged},
             "estimate": {n: _pair(ESTIMATED[n], last.values, last.deviations, n) for n in ESTIMATED},
             "unknowns": {n: _pair(UNKNOWNS[n].unit, last.unknowns, last.unknown_deviations, n) for n in last.unknowns},
-            "channels": {
-                name: {"use": Use(i.use).name.lower(), "nis": i.verdict.nis, "whiteness": i.verdict.whiteness}
-                for name, i in last.innovations.items()
-            },
+            "channels": {name: self._channel(name, found) for name, found in last.innovations.items()},
         }
+
+    def _channel(self, name: str, found: Innovation) -> dict[str, Any]:
+        verdict, missed = found.verdict, self.missed[name]
+        use = LEFT_OUT if name in self.without else Use(found.use).name.lower()
+        own = {"use": use, "nis": verdict.nis, "whiteness": verdict.whiteness, "independent": verdict.square}
+        return own | {"rms": missed.rms, "rms_in_deviations": missed.deviations, "unit": CHANNELS[name].unit}
 
 
 def _pair(unit: str, values: Mapping[str, float], deviations: Mapping[str, float], name: str) -> dict[str, Any]:
@@ -59,9 +74,10 @@ def _pair(unit: str, values: Mapping[str, float], deviations: Mapping[str, float
 def follow_recording(
     path: Path, output: Path, changes: Sequence[str], settings: Settings, rules: Rules | None = None
 ) -> Followed:
-    """Follow a recording. Raises UsageError for one that cannot be followed, or an output that would replace it."""
+    """Follow a recording. Raises UsageError for one that cannot be followed, or an output that must stay."""
     if output.resolve() == path.resolve():
         raise UsageError(f"{path}: would be overwritten; name another file with --output")
+    replaced = is_replaced(output, FACTS, "follow")
     recording = read(path)
     if "run" not in recording.metadata:
         raise UsageError(f"{recording.path}: the recording carries no scenario to follow it with")
@@ -73,26 +89,32 @@ def follow_recording(
     kept = [entry for entry in recording.entries if entry.topic not in MADE and entry.topic in TOPICS]
     both = sorted([*kept, *entries], key=lambda entry: entry.log_time)
     counts = dict(Counter(entry.topic for entry in both))
-    head = recording.metadata | {"followed": {"file": path.name, "changes": list(changes), "settings": repr(settings)}}
-    save(recording._replace(entries=Entries(both), counts=counts, metadata=head), output, scenario.rig_name)
-    return Followed(output, side.published[ESTIMATE], max(0, side.restarts), seconds, side.latest, side.health)
+    head = recording.metadata | {FACTS: {"file": path.name, "changes": list(changes), "settings": repr(settings)}}
+    made = recording._replace(entries=Entries(both), counts=counts, metadata=head)
+    save_whole(made, output, scenario.rig_name)
+    return Followed(
+        output,
+        replaced,
+        side.published[ESTIMATE],
+        max(0, side.restarts),
+        seconds,
+        side.latest,
+        missed(made),
+        settings.without,
+        side.health,
+        any(said.verdict >= Verdict.HEALTHY for said in verdicts_of(made)),
+    )
 
 
 def _made(recording: Recording, side: FollowerSide) -> tuple[list[Entry], dict[str, float]]:
-    """What the follower says, and how long it stood how. Raises UsageError when it is interrupted."""
+    """What the follower says, and how long it stood how."""
     entries: list[Entry] = []
     seconds = {standing.name.lower(): 0.0 for standing in Standing if standing is not Standing.WAITING}
-    stop, before = Stop(), 0
-    try:
-        listening = stop.listen()
-        for messages in through_follower(recording, side):
-            entries += entries_of(messages)
-            for message in messages:
-                if message.topic == ESTIMATE:
-                    seconds[Standing(message.message.standing).name.lower()] += (message.log_time - before) / 1e9
-                    before = message.log_time
-            if listening():
-                raise UsageError(f"interrupted at t = {side.now / 1e9:g} s; nothing is written")
-    finally:
-        stop.leave()
+    before = min((entry.log_time for entry in recording.of("measurement")), default=0)
+    for messages in through_follower(recording, side):
+        entries += entries_of(messages)
+        for message in messages:
+            if message.topic == ESTIMATE:
+                seconds[Standing(message.message.standing).name.lower()] += (message.log_time - before) / NS
+                before = message.log_time
     return entries, seconds

@@ -31,7 +31,8 @@ def draw_health(run: Run) -> Any:
         colour, label = (next(colours, "black"), name) if loud else ("lightgrey", None)
         axis.plot(time, values, color=colour, label=label, linewidth=1.1 if loud else 0.7, zorder=2.0 + loud)
     for side in (-1.0, 1.0):
-        axis.plot(time, side * found["limit"], color="black", linewidth=0.6, linestyle=":")
+        label = "limit" if side > 0.0 else None
+        axis.plot(time, side * found["limit"], color="black", linewidth=0.6, linestyle=":", label=label)
     axis.set_yscale("symlog", linthresh=10.0)
     finish(axis, "normal deviate", time[-1])
     return figure

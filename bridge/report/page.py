@@ -7,7 +7,7 @@ from bridge.drawing.html import svg, text
 from bridge.errors import UsageError, writing
 from bridge.report.charts import CHARTS, draw_chart
 from bridge.report.estimates import CAPTION as ESTIMATED
-from bridge.report.estimates import draw_estimates, has_estimates
+from bridge.report.estimates import draw_estimates, has_estimates, innovations_table
 from bridge.report.health import caption_of, draw_health, has_health
 from bridge.report.maps import draw_maps, draw_timing
 from bridge.report.own_signals import draw_own, own_charts
@@ -98,6 +98,7 @@ def _charts(runs: list[Run], names: list[str]) -> str:
     ]
     followed = [
         figure(draw_estimates(run), f"estimate{i}", f"Estimate{f': {name}' if len(runs) > 1 else ''}", ESTIMATED)
+        + innovations_table(run)
         for i, (run, name) in enumerate(zip(runs, names, strict=True), 1)
         if has_estimates(run)
     ]

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from bridge.cli.health_printing import limit_of, needed, print_health, size_in_words
 from bridge.errors import UsageError
 from bridge.loop.follower import FollowerSide
-from bridge.loop.health import FEWEST, plain, watching, words_of
+from bridge.loop.health import FEWEST, plain, watching
 from bridge.replay.into_follower import through_follower
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import load
@@ -15,8 +16,8 @@ from bridge.wire.codec import decode, encode
 from bridge.wire.health import PLACES
 from bridge.wire.messages import HEALTH
 from tests.support.command import hydrotwin_here
-from twin.estimation.health import Rules
-from twin.estimation.hypotheses import Verdict
+from twin.estimation.health import Finding, Health, Rules
+from twin.estimation.hypotheses import HYPOTHESES, Verdict
 from twin.estimation.settings import Settings
 
 MOTION = ["reference.frequency=1 Hz", "reference.amplitude=25 mm", "reference.at=0.5 s"]
@@ -47,7 +48,15 @@ def test_a_leak_ten_times_as_large_is_found_and_named():
     assert last.leak_across_size == pytest.approx(math.log(10.0), abs=math.log(1.2))
     assert 8.0 < last.since < 11.25
     assert side.health is not None
-    assert side.health.told[-1] == words_of(side.health.latest) or "leak across the piston" in side.health.told[-1]
+    turns = [
+        m for k, m in enumerate(said) if k and (m.verdict, m.suspects) != (said[k - 1].verdict, said[k - 1].suspects)
+    ]
+    assert [words.partition(" s:")[0] for words in side.health.told[-len(turns) :]] == [
+        f"t = {m.stamp / 1e9:g}" for m in turns
+    ]
+    assert "fault, beyond the limit" in side.health.told[-1]
+    assert "leak across the piston" in side.health.told[-1]
+    assert limit_of(side.health.latest, RULES) == side.health.limit
     assert plain(side.health.latest)["suspects"] == ["leak_across"]
     assert decode(encode(last), HEALTH).suspects == last.suspects
 
@@ -67,11 +76,35 @@ def test_a_rig_that_is_another_than_the_twins_and_in_order_is_not_called_ill():
     _, said = judged("duration=8.5 s", *OTHER)
     assert [m.verdict for m in said].count(Verdict.HEALTHY) >= 4
     assert max(m.verdict for m in said) == Verdict.HEALTHY
+    first = next(m.stamp for m in said if m.verdict == Verdict.HEALTHY) / 1e9
+    assert sum(needed(RULES)) == pytest.approx(6.5)
+    assert 0.3 <= first - sum(needed(RULES)) <= 0.4 + 2 * RULES.look  # it follows from 0.3 to 0.4 s on, within a look
+    assert needed(Rules()) == (10.0, 30.0, 2.0)  # as docs/health.md has it
 
 
 def test_a_commissioning_too_short_for_three_windows_is_refused():
     with pytest.raises(UsageError, match="three windows"):
         FollowerSide(load("sine"), watching(Settings()), rules=RULES._replace(commissioning=4))
+
+
+def test_the_table_of_health_has_every_hypothesis_the_limit_and_units_that_people_read(
+    capsys: pytest.CaptureFixture[str],
+):
+    """Offsets in bar, no -0.0, and leaks to the outside, of which there is no deviate."""
+    findings = {name: Finding(-0.01, 0.1, 0.2) for name in HYPOTHESES if not name.startswith("leak_outside")}
+    findings |= {"sensor_p2": Finding(6.04, -1.185e4, 300.0), "friction": Finding(math.nan, 0.0, 0.1)}
+    print_health(Health(60.0, Verdict.HEALTHY, (), math.nan, math.nan, findings), Rules())
+    lines = capsys.readouterr().out.splitlines()
+    assert "deviate, limit 5.28" in lines[0]  # of 21 sides and one false alarm in 100 h: docs/health.md
+    rows = {line.split()[0]: line for line in lines[1:]}
+    assert rows.keys() == HYPOTHESES.keys()
+    assert "6.0" in rows["sensor_p2"]
+    assert "-0.119 bar (+- 0.003)" in rows["sensor_p2"]
+    assert "not known" in rows["friction"]
+    assert "-0.0" not in rows["load"]
+    assert "by twins alone" in rows["leak_outside_lower"]
+    hole = size_in_words("leak_outside_lower", Finding(math.nan, 0.5 / 60e3 / 100e5, 0.1 / 60e3 / 100e5))
+    assert hole.endswith("+0.5 l/min at 100 bar (+- 0.1)")
 
 
 def test_too_few_members_for_a_judge_are_refused(tmp_path: Path):
