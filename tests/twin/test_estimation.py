@@ -12,7 +12,7 @@ from twin.circuit.equilibrium import equilibrium
 from twin.circuit.state import flatten, unflatten
 from twin.cylinder import Chambers
 from twin.estimation.admissible import admit
-from twin.estimation.consistency import BAD, GOOD, LEAST_SQUARE, STUCK, Watch, stated, unit_variance
+from twin.estimation.consistency import BAD, GOOD, STUCK, Watch, stated
 from twin.estimation.draws import Draws, exact
 from twin.estimation.filter import Filter, fewest
 from twin.estimation.quantities import UNKNOWNS, Use
@@ -146,8 +146,8 @@ def test_deviates_are_exact_and_independent_of_what_is_there():
 def test_the_fewest_members_leave_each_draw_its_variance():
     """Unknowns that are there, as many that drift, and the noises of the state, of which one fewer loses the last."""
     noises, unknowns = 4, 13
-    assert fewest(Settings(velocity_noise=0.0), unknowns) == fewest(Settings(velocity_noise=1.0), unknowns) - 1
-    least = fewest(Settings(velocity_noise=1.0), unknowns)
+    assert fewest(Settings(position_noise=0.0), unknowns) == fewest(Settings(), unknowns) - 1
+    least = fewest(Settings(), unknowns)
     for members, last in ((least, 1.0), (least - 1, 0.0)):
         there, drawn = Draws(1, unknowns, members).at(0), Draws(1, unknowns + noises, members).at(1)
         exact(there, drawn)
@@ -197,16 +197,6 @@ def test_a_deviation_is_stated_by_what_the_innovations_say():
     of_both = (1.0 / 0.2**2 + (1.0 / 0.1**2 - 1.0 / 0.2**2) / 0.25) ** -0.5
     assert_allclose(stated(spread, prior, 0.25), [of_both, 0.3, 0.5, 0.0], rtol=1e-12)
     assert_allclose(stated(spread, prior, 4.0), 2.0 * spread)
-
-
-def test_each_channel_s_information_counts_by_its_own_errors():
-    """Two readings of one number, taken to be as good: scaled by what they are, variance as of a weighted mean."""
-    taken, true = 1.0, np.array([0.25, 0.5])  # variances of either
-    of_both = 1.0 / (1.0 / taken + 1.0 / taken)
-    assert of_both * unit_variance((true / taken).tolist()) == pytest.approx(1.0 / (1.0 / true).sum(), rel=1e-12)
-    assert unit_variance([9.0, 0.2]) == pytest.approx(4.6)  # the model is wrong
-    assert unit_variance([]) == 1.0
-    assert unit_variance([0.0, 0.0]) == LEAST_SQUARE
 
 
 def test_a_channel_is_left_out_and_taken_again():

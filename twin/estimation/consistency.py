@@ -8,7 +8,6 @@ assumed.
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +25,7 @@ FEWEST = 50
 
 
 MOST_ALIKE = 0.9
-LEAST_SQUARE = 0.03  # of a mean square of innovations that a deviation is stated by
+LEAST_SQUARE = 0.05  # of the mean square of innovations that a deviation is stated by
 
 
 class Verdict(NamedTuple):
@@ -41,18 +40,6 @@ class Verdict(NamedTuple):
         """Mean square of as many innovations as are independent (Bayley, Hammersley 1946); NaN: too few."""
         alike = min(max(self.whiteness, 0.0), MOST_ALIKE)
         return self.nis * (1.0 + alike) / (1.0 - alike)
-
-
-def unit_variance(squares: Sequence[float]) -> float:
-    """Of several channels together, of the mean square of each one's independent innovations; 1 of none.
-
-    Each has a variance component of its own (Koch 1999, 3.6), so what it tells counts 1/s_i^2 as much as it was taken
-    for: with equal shares of the information that is the harmonic mean. Where the mean is 1 and more the model is
-    wrong, which is no noise: the mean.
-    """
-    if not squares or (mean := sum(squares) / len(squares)) >= 1.0:
-        return mean if squares else 1.0
-    return len(squares) / sum(1.0 / max(square, LEAST_SQUARE) for square in squares)
 
 
 def stated(spread: NDArray[np.float64], prior: NDArray[np.float64], square: float) -> NDArray[np.float64]:

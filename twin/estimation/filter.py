@@ -14,7 +14,7 @@ from twin.circuit.block import compiled
 from twin.circuit.state import ENDS_AT, load, place_of, slots_of
 from twin.circuit.step import Circuit
 from twin.estimation.admissible import admit
-from twin.estimation.consistency import GATE, Verdict, Watch, stated, unit_variance
+from twin.estimation.consistency import GATE, Verdict, Watch, stated
 from twin.estimation.draws import Draws, exact
 from twin.estimation.members import Members
 from twin.estimation.quantities import ESTIMATED, Standing, Use
@@ -193,9 +193,10 @@ class Filter:
         return stated(spread, self._prior, self._independent_square())
 
     def _independent_square(self) -> float:
-        """By how much the errors of the channels that are used are smaller than they are taken for; 1: not known."""
+        """Mean square of the independent innovations of the channels that are used; 1 where it is not known."""
         squares = [watch.verdict().square for watch in self.watches.values() if watch.use is Use.USED]
-        return unit_variance([square for square in squares if not math.isnan(square)])
+        known = [square for square in squares if not math.isnan(square)]
+        return sum(known) / len(known) if known else 1.0
 
     def forget(self) -> None:
         """Wait for a scan to begin with."""

@@ -21,7 +21,7 @@ class Settings(NamedTuple):
     velocity_error: float = 0.5e-3  # [m/s]
     position_error: float = 20e-6  # [m]
     position_noise: float = 0.05e-3  # of the model [m/sqrt(s)]
-    velocity_noise: float = 0.0  # [m/s/sqrt(s)]: forces that load_force does not stand for; each kicks out of rest
+    velocity_noise: float = 20e-3  # [m/s/sqrt(s)]: forces that it does not know; kicks out of rest, so few as can be
     pressure_noise: float = 0.5e5  # of the chambers [Pa/sqrt(s)]: flows that it does not know
     activity: float = 10.0  # how much more all of them are while the innovations are too large, at most
 
