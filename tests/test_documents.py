@@ -6,6 +6,7 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+import pytest
 import yaml
 from typer.main import get_command
 
@@ -14,6 +15,7 @@ from bridge.cli.catalogue import VERBS
 from bridge.cli.verbs import app
 from bridge.recording.logs.map import parsed_map
 from bridge.scenario import load, names
+from tests.support.command import hydrotwin_here
 from tests.tools.site.markdown import Block, anchors, blocks, links, parts
 from tests.tools.site.sources import ROOT, is_outside, pages, place_of, target_of
 from tests.tools.site.verbs import verb_pages
@@ -125,21 +127,46 @@ def refusal(command: str) -> str:
     return f"there is no scenario {scenario}" if unknown else ""
 
 
+GUIDES_OF_LOGS = {"docs/import.md": "## The foreign rig", "docs/identify.md": "## From a log"}
+
+
+def commands_of(source: str, title: str) -> list[list[str]]:
+    """The commands in the section of a page, as words behind `hydrotwin`."""
+    section = TEXTS[source].partition(title)[2].partition("\n## ")[0]
+    lines = section.replace("\\\n", " ").splitlines()
+    return [shlex.split(line, comments=True)[1:] for line in lines if line.startswith("    hydrotwin ")]
+
+
 def test_the_guides_of_logs_name_files_that_are_there_or_made_before():
     """Every command of the two sections can be given in a fresh checkout, in their order, and none undoes another."""
     made: dict[str, str] = {"nominal-into-plant.mcap": "docs/import.md"}  # by the replay, which names it itself
-    for source, title in (("docs/import.md", "## The foreign rig"), ("docs/identify.md", "## From a log")):
-        section = TEXTS[source].partition(title)[2].partition("\n## ")[0]
-        lines = section.replace("\\\n", " ").splitlines()
-        commands = [line for line in lines if line.startswith("    hydrotwin ")]
-        assert commands
-        for command in commands:
-            words = shlex.split(command, comments=True)
+    for source, title in GUIDES_OF_LOGS.items():
+        assert commands_of(source, title)
+        for words in commands_of(source, title):
             written = {words[at + 1] for at, word in enumerate(words) if word in ("-o", "--report")}
             for word in {word for word in words if re.fullmatch(r"[\w./-]+\.(gz|toml|mcap)", word)} - written:
                 assert word in made or (ROOT / word).is_file(), f"{source}: {word}"
             assert all(made.get(name, source) == source or name == "nominal.mcap" for name in written)
             made |= dict.fromkeys(written, source)
+
+
+@pytest.mark.endurance
+@pytest.mark.timeout(1200)
+def test_the_guides_of_logs_go_as_they_say(tmp_path):
+    """Their commands, and what they print: the numbers that the text names, to the digits that it has."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    printed = {}
+    for source, title in GUIDES_OF_LOGS.items():
+        for words in commands_of(source, title):
+            done = hydrotwin_here(*words, cwd=tmp_path)
+            assert done.returncode == 0, done.stderr
+            printed[f"{source} {words[0]} {words[1]}"] = done.stdout
+    assert re.search(r"measurement.position +\S+ mm +\S+ s +0\.64\d mm", printed["docs/import.md replay nominal.mcap"])
+    nominal, later = (printed[f"docs/identify.md identify {name}.mcap"] for name in ("nominal", "later"))
+    for text in ("199.6 kg .. 200.7 kg", "0.12%", "2.01", "1.52"):
+        assert text in nominal, nominal
+    for text in ("leakage_resistance explains most: alone it leaves 1.12", "83.26 bar/(l/min) .. 83.35 bar/(l/min)"):
+        assert text in later, later
 
 
 def test_commands_within_the_text_have_verbs_and_options_that_are_there():

@@ -1,5 +1,6 @@
 """A fit from files: recordings in, numbers with their uncertainty out, judged on other recordings."""
 
+import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
@@ -91,6 +92,7 @@ def records_of(wanted: Wanted, files: Sequence[str]) -> list[Record]:
         record = with_noise(record, deviations_of(wanted.noise, record, file))
         found.append(only_moving(record) if wanted.moving else record)
     same_grid(found)
+    shots_of(found, math.inf)  # refuses a record in which no shot can begin, before anything is fitted
     return found
 
 
