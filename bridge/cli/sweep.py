@@ -99,7 +99,10 @@ def _swept(wanted: "Wanted", folder: Path, workers: int, scheduler: str | None) 
 
 
 def continuation(output: Path, part: Path) -> Callable[[], str]:
-    """What is said when somebody interrupts: how much is kept, and how to continue."""
+    """What is said when somebody interrupts: how much is kept, and how to continue.
+
+    Where nothing is kept the folder that the call has made for itself goes.
+    """
 
     def words() -> str:
         done = max(0, part.read_bytes().count(b"\n") - 1) if part.is_file() else 0
@@ -108,6 +111,9 @@ def continuation(output: Path, part: Path) -> Callable[[], str]:
         where = [] if own else ["-o", str(output)]
         again = shlex.join(["hydrotwin", *(sys.argv[1:] if own else command), *where])
         if not done:
+            with suppress(OSError):
+                if not own:
+                    (output if output.is_dir() else output.parent).rmdir()
             return "interrupted; nothing is kept"
         return f"interrupted; {done} run{'s' * (done != 1)} kept in {part}; to continue: {again}"
 

@@ -261,7 +261,11 @@ def test_names_stay_whole_in_a_narrow_window(monkeypatch: pytest.MonkeyPatch, ca
 
 
 def test_an_interrupted_fit_claims_to_keep_only_what_it_keeps(tmp_path: Path):
+    (tmp_path / "runs").mkdir()
+    assert (
+        continuation(tmp_path / "runs/fitted.toml", tmp_path / "runs/fitted.part")() == "interrupted; nothing is kept"
+    )
+    assert not (tmp_path / "runs").exists()
     words = continuation(tmp_path / "sig.toml", tmp_path / "sig.part")
-    assert words() == "interrupted; nothing is kept"
     (tmp_path / "sig.part").write_text("head\none\n")
     assert words().startswith(f"interrupted; 1 run kept in {tmp_path / 'sig.part'}; to continue: ")
