@@ -23,7 +23,7 @@ WITHOUT = Annotated[
         help="A channel that is not used, such as p3; the table says how well it is found without. Repeatable.",
     ),
 ]
-ENSEMBLE = "Twins in the ensemble, as many as the unknowns ask for at least: 22 for nine."
+ENSEMBLE = "Twins in the ensemble, as many as the unknowns ask for at least: 23 for nine."
 MEMBERS = Annotated[int, typer.Option(min=4, max=400, help=ENSEMBLE)]
 FOLLOWERS = Annotated[
     int | None,
