@@ -5,10 +5,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from bridge.cli.tables import print_table
-from bridge.scenario.units import shown
 from twin.estimation.health import Finding, Health, Rules, limit, sides_of
 from twin.estimation.hypotheses import HYPOTHESES, in_words
-from twin.estimation.quantities import LEAK, LEAKS_OUTSIDE, UNKNOWNS
+from twin.estimation.quantities import LEAKS_OUTSIDE
 
 BY_TWINS = "by twins alone"  # in place of a deviate
 
@@ -53,21 +52,15 @@ def _rows(health: Health) -> Iterator[tuple[str, str, str]]:
             yield (
                 name,
                 BY_TWINS,
-                f"{hypothesis.words}, looked for on suspicion" if found is None else size_in_words(name, found),
+                f"{hypothesis.words}, looked for on suspicion" if found is None else _size(name, found),
             )
         elif found is not None:
-            yield name, _deviate(found.deviate), size_in_words(name, found)
+            yield name, _deviate(found.deviate), _size(name, found)
 
 
 def _deviate(deviate: float) -> str:
     return "not known" if math.isnan(deviate) else f"{round(deviate, 1) + 0.0:.1f}"  # 0.0 has a sign: -0.0 + 0.0 is 0.0
 
 
-def size_in_words(name: str, found: Finding) -> str:
-    """What a hypothesis says with its size, in the unit that people read."""
-    hypothesis = HYPOTHESES[name]
-    unit = UNKNOWNS[hypothesis.unknown].unit
-    if not unit or unit == LEAK:
-        return in_words(name, found.size, found.deviation)
-    scale, words = shown(unit)
-    return f"{hypothesis.words}, {scale * found.size + 0.0:+.3g} {words} (+- {scale * found.deviation:.2g})"
+def _size(name: str, found: Finding) -> str:
+    return in_words(name, found.size, found.deviation)

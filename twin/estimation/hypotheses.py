@@ -11,7 +11,12 @@ from twin.estimation.quantities import LEAK, UNKNOWNS
 from twin.topology import PRESSURES
 
 EITHER, UP, DOWN = 0, 1, -1
-SHOWN_AT = 60e3 * 100e5  # [Pa], and l/min of m^3/s
+SHOWN = {  # units of offsets, for people
+    LEAK: (60e3 * 100e5, "l/min at 100 bar"),
+    "Pa": (1e-5, "bar"),
+    "m": (1e3, "mm"),
+    "m/s": (1e3, "mm/s"),
+}
 CREEP = 3e-10  # [m/(s Pa)], of the piston by the unit of leaks to the outside: 3 mm/s at 100 bar, assumed
 
 WATCHED = {  # deviation at the start and drift per sqrt(s) of unknowns whose faults are looked for, all assumed
@@ -62,11 +67,10 @@ HYPOTHESES = {
 
 
 def in_words(name: str, size: float, deviation: float) -> str:
-    """What a hypothesis says, with its size since the commissioning: the factor on its unknown, or an offset in SI."""
+    """What a hypothesis says, with its size since the commissioning: the factor on its unknown, or an offset."""
     unit = UNKNOWNS[HYPOTHESES[name].unknown].unit
-    if unit == LEAK:
-        size, deviation, unit = size * SHOWN_AT, deviation * SHOWN_AT, "l/min at 100 bar"
+    scale, shown = SHOWN.get(unit, (1.0, unit))
     if unit:
-        return f"{HYPOTHESES[name].words}, {size:+.3g} {unit} (+- {deviation:.2g})"
+        return f"{HYPOTHESES[name].words}, {scale * size + 0.0:+.3g} {shown} (+- {scale * deviation:.2g})"
     low, high = math.exp(size - deviation), math.exp(size + deviation)
     return f"{HYPOTHESES[name].words}, {math.exp(size):.3g} times ({low:.3g} to {high:.3g})"
