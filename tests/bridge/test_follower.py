@@ -110,27 +110,6 @@ def test_missing_scans_spikes_and_a_dead_sensor_are_survived():
     assert side.latest.standing == Standing.FOLLOWING
 
 
-def test_two_sensors_that_go_bad_one_after_the_other_are_both_left_out():
-    rec = run()
-    side, last = FollowerSide(nominal(), Settings()), None
-    for entry in rec.entries:
-        if entry.topic == "command":
-            side.take(decode(entry.data, "command"))
-        if entry.topic != "measurement":
-            continue
-        m = decode(entry.data, "measurement")
-        m.p2 += 40e5 if m.stamp > 0.5e9 else 0.0
-        m.p1 += 40e5 if m.stamp > 0.7e9 else 0.0
-        for out in side.hear(m):
-            last = out if out.topic == INNOVATION else last
-    assert last is not None
-    assert [Use(int(use)) for use in (last.message.p1_use, last.message.p2_use)] == [Use.OFF, Use.OFF]
-    assert side.latest is not None
-    assert side.latest.standing == Standing.FOLLOWING
-    true = truth(rec, np.array([round(side.latest.stamp * 1e9)]), "p_lower")[0]
-    assert side.latest.values["p_lower"] == pytest.approx(true, abs=0.5e5)
-
-
 def test_an_hour_without_a_scan_is_not_integrated(monkeypatch: pytest.MonkeyPatch):
     """It ends an estimate: the next scan that has a position begins another."""
     rec, side = run(), FollowerSide(nominal(), Settings())

@@ -221,13 +221,17 @@ def test_where_many_channels_are_far_away_the_model_is_wrong_and_all_are_used():
         assert watch.use is Use.USED
 
 
-def test_a_channel_that_is_left_out_stays_so_when_another_goes_bad_or_readings_are_missing():
+def test_a_channel_that_is_left_out_stays_so_while_readings_are_missing():
+    """And until several have been far away for as long as it takes to come back: then the model is wrong."""
     watch = Watch(0.5, (0.0, 10.0))
     for k in range(BAD):
         watch.look(5.0 + 0.1 * k, 50.0, alone=True)
     for k in range(2 * GOOD):
-        assert math.isnan(watch.look(5.0 + 0.1 * k if k % 7 else math.nan, 50.0, alone=False))
+        assert math.isnan(watch.look(5.0 + 0.1 * k if k % 7 else math.nan, 50.0, alone=True))
         assert watch.use is (Use.OFF if k % 7 else Use.MISSING)
+    for k in range(GOOD):
+        assert math.isnan(watch.look(5.0 + 0.1 * k, 50.0, alone=False)) == (k < GOOD - 1)
+    assert watch.use is Use.USED
 
 
 def test_a_channel_that_repeats_itself_is_stuck_except_at_the_end_of_its_range():

@@ -1,10 +1,10 @@
 """Is a sensor to be believed, and are the innovations what a right model makes: white and of variance 1?
 
 A reading that is more than `SUSPECT` deviations away counts less, by as much as makes it that far. Where one channel is
-farther away than `GATE` and no other that is believed is, the first such reading is left out, and so is a channel that
-stays so, until it has been back for a while, whatever the others do; where several are, the model is wrong. A channel
-of a card with noise that repeats one value for `STUCK` scans is stuck; at the end of its range it may. All numbers are
-assumed.
+farther away than `GATE` and no other is, the first such reading is left out, and so is a channel that stays so, until
+it has been back for a while; where several are, the model is wrong, and all count. So one channel at a time is left
+out: two that are bad at once cannot be told from a wrong model. A channel of a card with noise that repeats one value
+for `STUCK` scans is stuck; at the end of its range it may. All numbers are assumed.
 """
 
 import math
@@ -76,7 +76,7 @@ class Watch:
     def look(self, reading: float, away: float, alone: bool) -> float:
         """How much of a reading's variance counts more than stated; NaN where it is left out.
 
-        away: the innovation over its deviation; alone: no other channel that is believed is as far away.
+        away: the innovation over its deviation; alone: no other channel is as far away.
         """
         self._same = self._same + 1 if reading == self._last else 0
         self._last = reading
@@ -85,7 +85,7 @@ class Watch:
             return math.nan
         inside = self._ends[0] < reading < self._ends[1]
         stuck = self._noisy and self._same >= STUCK and inside
-        far = (alone or self.left_out) and abs(away) > GATE
+        far = alone and abs(away) > GATE
         self._bad, self._good = (self._bad + 1, 0) if far else (0, self._good + 1)
         if stuck:
             self.use = Use.STUCK

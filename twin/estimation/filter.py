@@ -121,8 +121,7 @@ class Filter:
         spread = ((predicted - mean) ** 2).sum(axis=0) / (len(predicted) - 1)
         deviation = np.sqrt(spread + self.sensors.variance).tolist()
         away = [x - m for x, m in zip(found, mean.tolist(), strict=True)]
-        asked = [here and not w.left_out for here, w in zip(self._watched, self.watches.values(), strict=True)]
-        far = [here and abs(e) > GATE * s for e, s, here in zip(away, deviation, asked, strict=True)]
+        far = [watched and abs(e) > GATE * s for e, s, watched in zip(away, deviation, self._watched, strict=True)]
         alone = self.standing == Standing.FOLLOWING and sum(far) < 2  # else the model may be wrong
         for j, (name, watch) in enumerate(self.watches.items()):
             more = watch.look(found[j], away[j] / deviation[j], alone) if self._watched[j] else math.nan
