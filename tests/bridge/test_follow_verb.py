@@ -88,9 +88,9 @@ def test_a_recording_that_begins_later_is_followed_for_as_long_as_it_is(folder: 
 
 
 def test_a_file_that_was_followed_before_is_replaced_with_a_word_and_no_other(folder: Path):
-    words = ("follow", "run.mcap", "--health", "-o")
+    words = ("follow", "run.mcap", "-o")
     assert "in place of" not in hydrotwin_here(*words, "a.mcap", cwd=folder).stdout
-    done = hydrotwin_here(*words, "a.mcap", cwd=folder)
+    done = hydrotwin_here(*words, "a.mcap", "--health", cwd=folder)
     assert "a.mcap, in place of an earlier one: " in done.stdout
     assert (
         "health not judged: 42 s of an estimate that follows are needed (10 s to come to rest, 30 s of" in done.stdout

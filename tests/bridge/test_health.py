@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from bridge.cli.health_printing import limit_of, needed, print_health, size_in_words
+from bridge.cli.health_printing import limit_of, needed, print_health
 from bridge.errors import UsageError
 from bridge.loop.follower import FollowerSide
 from bridge.loop.health import FEWEST, plain, watching
@@ -17,7 +17,7 @@ from bridge.wire.health import PLACES
 from bridge.wire.messages import HEALTH
 from tests.support.command import hydrotwin_here
 from twin.estimation.health import Finding, Health, Rules
-from twin.estimation.hypotheses import HYPOTHESES, Verdict
+from twin.estimation.hypotheses import HYPOTHESES, Verdict, in_words
 from twin.estimation.settings import Settings
 
 MOTION = ["reference.frequency=1 Hz", "reference.amplitude=25 mm", "reference.at=0.5 s"]
@@ -103,7 +103,7 @@ def test_the_table_of_health_has_every_hypothesis_the_limit_and_units_that_peopl
     assert "not known" in rows["friction"]
     assert "-0.0" not in rows["load"]
     assert "by twins alone" in rows["leak_outside_lower"]
-    hole = size_in_words("leak_outside_lower", Finding(math.nan, 0.5 / 60e3 / 100e5, 0.1 / 60e3 / 100e5))
+    hole = in_words("leak_outside_lower", 0.5 / 60e3 / 100e5, 0.1 / 60e3 / 100e5)
     assert hole.endswith("+0.5 l/min at 100 bar (+- 0.1)")
 
 

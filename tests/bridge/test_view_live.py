@@ -236,7 +236,7 @@ def test_mistakes_get_one_line(tmp_path: Path):
         (("--web", "--save", "a.rrd"), "choose one"),
         (("--screenshot", "a.jpg"), "name it a.png"),
         (("--screenshot", "missing/a.png"), "there is no folder missing"),
-        (("--at", "soon"), "--at 'soon'"),
+        (("--at", "soon"), "--at: cannot read 'soon'"),
     ):
         done = hydrotwin_here("view", *arguments, cwd=tmp_path)
         assert done.returncode in (1, 2)
