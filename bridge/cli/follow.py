@@ -1,7 +1,7 @@
-"""Verbs of the twin beside a rig: follow."""
+"""Verbs of the twin beside a rig: follow and whatif."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,6 +12,7 @@ from bridge.wire.link import DEFAULT_ENDPOINT
 from bridge.wire.messages import Mode
 
 if TYPE_CHECKING:
+    from bridge.processes.listening import Heard
     from twin.estimation.health import Rules
     from twin.estimation.settings import Settings
 
@@ -217,11 +218,7 @@ def whatif(
             there(Path(rig))
             heard = from_file(Path(rig), None if at is None else nanoseconds("at", at), settings)
         else:
-            from bridge.processes.listening import listen
-            from bridge.wire.link import Link
-
-            seconds = nanoseconds("listen-for", listen_for) / 1e9
-            heard = listen(rig, Link(None, connect, zenoh_config, patience), seconds, settings)
+            heard = _heard(rig, (connect, zenoh_config, patience), listen_for, settings)
         verdict = what_if(heard, wanted, ahead, expect or [], risk)
     if as_json:
         print_json(verdict.plain())
@@ -229,3 +226,12 @@ def whatif(
         print_verdict(verdict)
     if not verdict.passed:
         raise typer.Exit(1)
+
+
+def _heard(rig: str, where: tuple[Any, Any, float], listen_for: str, settings: "Settings") -> "Heard":
+    """Of a rig that runs; where: its address, a configuration of Zenoh, and patience."""
+    from bridge.cli.options import nanoseconds
+    from bridge.processes.listening import listen
+    from bridge.wire.link import Link
+
+    return listen(rig, Link(None, *where), nanoseconds("listen-for", listen_for) / 1e9, settings)

@@ -45,7 +45,7 @@ def listen(rig: str, link: Link, seconds: float, settings: Settings) -> Heard:
             raise RunError(f"no plant of rig {rig!r} answers: start one first, or name its address with --connect")
         answer = parsed_json(told)
         scenario = changed(answer["scenario"], [], f"the scenario of rig {rig!r}")
-        ear = _Ear(bus, FollowerSide(scenario, settings), answer.get("changed", []))
+        ear = Ear(bus, FollowerSide(scenario, settings), answer.get("changed", []))
         deadline = time.monotonic() + link.patience + SLOWEST * LONGEST * seconds
         while time.monotonic() < deadline and not heard_enough(ear.side, ear.passed, seconds):
             ear.take()
@@ -57,7 +57,7 @@ def listen(rig: str, link: Link, seconds: float, settings: Settings) -> Heard:
     return Heard(ear.side, scenario, Past(list(ear.recent), ear.changes))
 
 
-class _Ear:
+class Ear:
     """What comes off the bus, into a twin."""
 
     def __init__(self, bus: Bus, side: FollowerSide, told: list[Any]) -> None:

@@ -53,10 +53,10 @@ def statuses(bus: Bus, stopped: Callable[[], bool], seconds: float = MOMENT) -> 
     while time.monotonic() < deadline and not stopped():
         time.sleep(0.02)
     spoken = [_status(message) for message in newest.values()]
-    return sorted([*spoken, *_silent(bus.present, {str(each.pid) for each in spoken})], key=lambda each: each[:2])
+    return sorted([*spoken, *silent(bus.present, {str(each.pid) for each in spoken})], key=lambda each: each[:2])
 
 
-def _silent(present: Mapping[str, Set[str]], spoken: Set[str]) -> Iterator[Status]:
+def silent(present: Mapping[str, Set[str]], spoken: Set[str]) -> Iterator[Status]:
     """Those that have a sign of life and said nothing."""
     for role, pids in present.items():
         for pid in pids - spoken - {str(os.getpid())}:

@@ -3,16 +3,20 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from bridge.errors import RunError
 from bridge.loop.exchange import exchange, sides
 from bridge.loop.follower import FollowerSide, Told
 from bridge.processes.follower import FollowerProcess
+from bridge.processes.listening import Ear
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import load
 from bridge.wire.bus import STAMP
+from bridge.wire.codec import Status, encode
 from bridge.wire.intake import Turned
-from bridge.wire.messages import SafetyState
+from bridge.wire.messages import Phase, SafetyState
 from tests.support.beside import hand
 from twin.estimation.quantities import Standing
 from twin.estimation.settings import Settings
@@ -54,11 +58,7 @@ def test_it_learns_from_the_plant_s_status_that_commands_do_not_act(told: bool):
 def test_how_far_it_is_behind_counts_the_scans_that_wait():
     """Fifty scans have come while it was busy with the first."""
     publishers: dict[str, Any] = {}
-    bus: Any = SimpleNamespace(
-        rig_name="rig", place="here", present={}, turned=Turned(), publish=lambda message: None,
-        session=SimpleNamespace(info=SimpleNamespace(routers_zid=list)),
-        subscribe=publishers.__setitem__, watch=lambda: None, announce=lambda: None,
-    )  # fmt: skip
+    bus = quiet_bus(publishers)
     process = FollowerProcess(bus, FollowerSide(load("sine"), Settings()), lambda: False, quiet=True)
     rec = run_in_memory(load("sine", ["duration=0.05"]))
     scans = [entry.data for entry in rec.of("measurement")]
@@ -66,6 +66,30 @@ def test_how_far_it_is_behind_counts_the_scans_that_wait():
         publishers["measurement"](_sample(data, STAMP.pack(tick * 1_000_000, tick)))
     process.take("measurement", scans[0])
     assert process.behind == 50_000_000
+
+
+def test_a_look_ahead_ends_with_its_plant():
+    """The plant's last word says which tick was its last; nothing more comes, so nobody waits for it."""
+    publishers: dict[str, Any] = {}
+    ear = Ear(quiet_bus(publishers), FollowerSide(load("sine"), Settings()), [])
+    scan = next(iter(run_in_memory(load("sine", ["duration=0.001"])).of("measurement")))
+    values = {"tick": 0.0, "ticks": 1.0}
+    head = {"run_id": 1, "sequence": 0, "stamp": 0, "role": "plant", "pid": 1, "text": ""}
+    last = Status(**head, phase=Phase.ENDED, names=list(values), values=np.array([*values.values()]))
+    for topic, data in (("measurement", scan.data), ("status", encode(last))):
+        publishers[topic](_sample(data, STAMP.pack(0, 0)))
+        ear.take()
+    with pytest.raises(RunError, match="has ended"):
+        ear.take()
+
+
+def quiet_bus(publishers: dict[str, Any]) -> Any:
+    """A bus on which nobody is; what is subscribed stands in `publishers`."""
+    return SimpleNamespace(
+        rig_name="rig", place="here", present={}, turned=Turned(), publish=lambda message: None,
+        session=SimpleNamespace(info=SimpleNamespace(routers_zid=list)),
+        subscribe=publishers.__setitem__, watch=lambda: None, announce=lambda: None,
+    )  # fmt: skip
 
 
 def _sample(data: bytes, stamp: bytes) -> Any:

@@ -16,6 +16,7 @@ from bridge.wire.codec import decode, encode
 from bridge.wire.health import PLACES
 from bridge.wire.messages import HEALTH
 from tests.support.command import hydrotwin_here
+from twin.estimation.filter import fewest
 from twin.estimation.health import Finding, Health, Rules
 from twin.estimation.hypotheses import HYPOTHESES, Verdict, in_words
 from twin.estimation.settings import Settings
@@ -105,6 +106,13 @@ def test_the_table_of_health_has_every_hypothesis_the_limit_and_units_that_peopl
     assert "by twins alone" in rows["leak_outside_lower"]
     hole = in_words("leak_outside_lower", 0.5 / 60e3 / 100e5, 0.1 / 60e3 / 100e5)
     assert hole.endswith("+0.5 l/min at 100 bar (+- 0.1)")
+
+
+def test_velocity_and_pressures_of_a_judge_s_twins_do_not_wander_and_each_draw_has_its_direction():
+    settings = watching(Settings(members=4))
+    assert {name for name, noise in settings.noises().items() if noise > 0.0} == {"position"}
+    count = len(FollowerSide(load("sine"), settings).filter.names)
+    assert settings.members == FEWEST == fewest(settings, count)
 
 
 def test_too_few_members_for_a_judge_are_refused(tmp_path: Path):

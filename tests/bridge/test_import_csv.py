@@ -2,78 +2,32 @@
 
 import gzip
 import math
-import zlib
-from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from bridge.errors import UsageError
 from bridge.recording.imported import facts
-from bridge.recording.logs.importing import Made, import_log, imported
+from bridge.recording.logs.importing import import_log, imported
 from bridge.recording.logs.map import parsed_map
 from bridge.recording.logs.measured import measured
 from bridge.recording.reader import read
 from bridge.runs.in_process import run_in_memory
 from bridge.scenario import load
-
-MAP = """
-rig = "ehla"
-period = "1 ms"
-[time]
-column = "{time}"
-{clock}
-[signal.command]
-column = "u"
-unit = "V"
-scale = 0.1
-[signal.position]
-column = "{position}"
-[signal.p2]
-column = "{p2}"
-"""
-ROWS = 400
-TIME = np.arange(ROWS) * 1e-3
-VOLTS = np.where(TIME < 0.1, 0.0, 2.5)
-MM = 135.0 + 20.0 * np.sin(2.0 * math.pi * 3.0 * TIME)  # its curvature: 0.5 dt^2 20 (6 pi)^2 / 4 = 0.9 um in 1 ms
-BAR = 60.0 + 10.0 * np.cos(2.0 * math.pi * 3.0 * TIME)
-PRINTED = 5e-7  # [m], of a position printed to 1 um
-PRINTED_BAR = 50.0  # [Pa], of a pressure printed to 1 mbar
-
-
-def text(time=None, head="t_s,u,x_mm,p_bar", comma=".", sign=",", rows: Sequence[int] = range(ROWS), end="\n") -> str:
-    """A log as a logger prints it."""
-    time = [f"{t:.6f}" for t in TIME] if time is None else time
-    lines = [head if sign in head else head.replace(",", sign)]
-    for k in rows:
-        cells = (time[k], f"{VOLTS[k]:.3f}", f"{MM[k]:.3f}", f"{BAR[k]:.3f}")
-        lines.append(sign.join(cell.replace(".", comma) if comma != "." else cell for cell in cells))
-    return end.join(lines) + end
-
-
-def taken(folder: Path, content: str | bytes, name: str = "log.csv", more: str = "", **where: str) -> Made:
-    """The recording of a log, in memory."""
-    path = folder / name
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    names = {"time": "t_s", "clock": "", "position": "x_mm", "p2": "p_bar"} | where
-    return imported(path, parsed_map(MAP.format(**names) + more, "map"), folder / "map.toml")
-
-
-def assert_right(made: Made, tolerance: float = PRINTED, pressure: float = PRINTED_BAR) -> None:
-    """Every instant of the grid has what the log says, in SI."""
-    found = measured(made.recording)
-    assert len(found.times) == ROWS
-    assert np.abs(found.signals["position"] - MM * 1e-3).max() <= tolerance * 1.001
-    assert np.abs(found.signals["p2"] - BAR * 1e5).max() <= pressure * 1.001
-    assert found.command == pytest.approx(VOLTS / 10.0, abs=1e-12)
-
-
-def refused(folder: Path, content: str | bytes, **more) -> str:
-    with pytest.raises(UsageError) as found:
-        taken(folder, content, **more)
-    assert "\n" not in str(found.value)
-    return str(found.value)
+from tests.support.csv_log import (
+    BAR,
+    MAP,
+    MM,
+    PRINTED,
+    PRINTED_BAR,
+    ROWS,
+    TIME,
+    VOLTS,
+    assert_right,
+    refused,
+    taken,
+    text,
+)
 
 
 def test_plain_csv(tmp_path):
@@ -240,61 +194,6 @@ def test_a_last_row_that_was_cut_off_is_left_out(tmp_path):
     made = taken(tmp_path, text() + "0.400,2.5")
     assert_right(made)
     assert "line 402" in facts(made.recording)["notes"][0]
-
-
-def test_of_an_archive_that_was_cut_off_the_whole_lines_are_read(tmp_path):
-    """The number of bytes that is told is what gzip itself gets out of it."""
-    packed = gzip.compress(text().encode())[:-2000]
-    there = zlib.decompressobj(31).decompress(packed)
-    made = taken(tmp_path, packed, "log.csv.gz")
-    found = measured(made.recording)
-    assert len(found.times) == there.count(b"\n") - 1  # without the head
-    assert np.abs(found.signals["position"] - MM[: len(found.times)] * 1e-3).max() <= PRINTED
-    assert facts(made.recording)["notes"][0].endswith(f"{len(there)} bytes")
-
-
-def started(folder: Path, first: str, more: str = "", **where: str) -> tuple[float, float]:
-    """Position [m] and upper pressure [bar] at which a recording starts; first: of its first rows x [mm] and p3."""
-    head, *rows = text(head="t_s,u,x_mm,p_bar,p3_bar").splitlines()
-    rows = [f"{row},{100 + k}" for k, row in enumerate(rows)]
-    cells = [row.split(",") for row in rows]
-    for k, pair in enumerate(first.split(";")):
-        x, p = pair.split(",")
-        cells[k][2], cells[k][4] = x, p
-    made = taken(folder, "\n".join([head, *map(",".join, cells)]), more=more, **where)
-    return made.scenario.start.position, made.scenario.start.p_upper / 1e5
-
-
-P3 = '[signal.p3]\ncolumn = "p3_bar"\n'
-
-
-def test_a_recording_starts_where_it_was_first_measured(tmp_path):
-    """A first sample that is missing is not one; a rod that noise puts beyond its stop is at the stop."""
-    assert started(tmp_path, "0,12", P3) == (0.0, 12.0)
-    assert started(tmp_path, "NaN,NaN;NaN,NaN;3,103", P3) == (pytest.approx(0.003), 103.0)
-    assert started(tmp_path, "-0.02,-0.1", P3) == (0.0, 0.0)
-    stroke = load("ehla").rig.cylinder.stroke
-    assert started(tmp_path, f"{stroke * 1.009e3},1", P3)[0] == stroke
-    with pytest.raises(UsageError, match="outside the stroke"):
-        started(tmp_path, f"{stroke * 1.02e3},1", P3)
-    upper = "[scenario.start]\np_upper = '7 bar'\n"
-    assert started(tmp_path, "5,1", upper) == (pytest.approx(0.005), 7.0)  # no p3: as the scenario has it
-
-
-def test_a_grid_that_leaves_rows_out_and_a_range_that_is_too_small_are_said(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text(text())
-    wanted = MAP.format(time="t_s", clock="", position="x_mm", p2="p_bar").replace('"1 ms"', '"0.1"', 1)
-    wanted = wanted.replace('"x_mm"', '"x_mm"\nrange = ["0 mm", "150 mm"]')
-    notes = facts(imported(path, parsed_map(wanted, "map"), path).recording)["notes"]
-    assert "4 instants, and the log 400 rows" in notes[0]
-    assert "396 rows are left out" in notes[0]
-    assert "position goes from" in notes[1]
-    assert "to 154 mm, beyond the range that the map states, 0 to 150 mm" in notes[1]
-    right = MAP.format(time="t_s", clock="", position="x_mm", p2="p_bar").replace(
-        '"x_mm"', '"x_mm"\nrange = [0, 0.155]'
-    )
-    assert not facts(imported(path, parsed_map(right, "map"), path).recording)["notes"]
 
 
 @pytest.mark.parametrize(

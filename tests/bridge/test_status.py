@@ -1,10 +1,12 @@
-"""A plant's status: names and numbers on the wire and the value with types say the same."""
+"""A plant's status: names and numbers on the wire and the value with types say the same; and who is there."""
 
 import math
+import os
 from types import SimpleNamespace
 
 import numpy as np
 
+from bridge.processes.statuses import THERE, silent
 from bridge.wire.messages import Phase
 from bridge.wire.status import Pace, PlantReport, PlantStatus, Reading, plant_status
 
@@ -48,3 +50,10 @@ def test_a_foreign_plant_may_say_less_or_nonsense():
     assert plant_status(message({"tick": 7.0})) == PlantStatus(7, 0, commands=None)
     assert plant_status(message({"tick": math.nan, "p1": 1e5})) == PlantStatus(0, 0, commands=None)
     assert PlantStatus.from_plain({"overruns": 1.0}).pace == Pace(1, 0.0, 0, 0.0, -1.0, 0)
+
+
+def test_those_that_say_nothing_are_listed_as_there():
+    """By their signs of life; a replay's has no number, our own is not told."""
+    present = {"controller": {"12"}, "plant": {"11"}, "replay": {"replay"}, "viewer": {str(os.getpid())}}
+    found = {(each.role, each.pid, each.phase) for each in silent(present, {"11"})}
+    assert found == {("controller", 12, THERE), ("replay", 0, THERE)}
